@@ -1,0 +1,1 @@
+"""What a recorded session says: measures per session, statistics per study, pictures, reports."""

@@ -1,0 +1,1 @@
+"""Names, presets and models that ship with sjasim."""

@@ -1,0 +1,98 @@
+"""Where everyone stands: slots of dancers and robot, and the four sensors at the cardinal points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..assets.names import CARDINALS
+from ..config import RoomConfig, SensorConfig
+from ..errors import ConfigError
+from ..types import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Mount:
+    """A sensor's known place: level, at a height, looking at the centre.
+
+    Attributes:
+        name: ``north``, ``west``, ``south`` or ``east``.
+        position: (3,) optical centre [m].
+        world_from_sensor: (3, 3) rotation; columns are the sensor's left, up, and the viewing
+            direction (the Kinect's camera space).
+    """
+
+    name: str
+    position: Array
+    world_from_sensor: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Slots and sensors.
+
+    Attributes:
+        dancers: (D, 2) slots of the dancers [m].
+        robot: (2,) the robot's slot [m].
+        mounts: the four sensors in the order of `CARDINALS`.
+    """
+
+    dancers: Array
+    robot: Array
+    mounts: tuple[Mount, ...]
+
+
+def layout(name: str, group: int, room: RoomConfig, sensors: SensorConfig) -> Layout:
+    """Lay out a room.
+
+    Args:
+        name: ``square`` (turned so that bodies stand apart from every sensor), ``rows`` (the paper's aligned rows)
+            or ``custom`` (``room.slots_m``).
+        group: number of dancers.
+        room: distances.
+        sensors: their range, which every slot and move must lie in for the sensor that is faced.
+
+    Raises:
+        ConfigError: slots are too few or too close, or someone would leave the active sensor's range.
+    """
+    slots = _slots(name, group, room)
+    gaps = np.linalg.norm(slots[:, None] - slots[None], axis=-1) + 9.0 * np.eye(len(slots))
+    if gaps.min() < 0.6:
+        raise ConfigError("layout", name, f"slots at least .6 m apart, not {gaps.min():.2f} m")
+    mounts = tuple(_mount(cardinal, index, room) for index, cardinal in enumerate(CARDINALS))
+    for mount in mounts:
+        depth = (np.c_[slots, np.zeros(len(slots))] - mount.position) @ mount.world_from_sensor[:, 2]
+        near, far = depth.min() - room.move_m, depth.max()
+        if near < sensors.min_range_m or far > sensors.max_range_m:
+            raise ConfigError(
+                "layout",
+                name,
+                f"bodies within {sensors.min_range_m:g} to {sensors.max_range_m:g} m of the {mount.name} sensor "
+                f"while it is faced, not {near:.2f} to {far:.2f} m (room.sensor_distance_m, room.side_m)",
+            )
+    return Layout(slots[:-1], slots[-1], mounts)
+
+
+def _slots(name: str, group: int, room: RoomConfig) -> Array:
+    if name == "custom":
+        if len(room.slots_m) != group + 1:
+            raise ConfigError("room.slots_m", room.slots_m, f"{group + 1} slots: the dancers', then the robot's")
+        return np.array(room.slots_m, dtype=float)
+    if group > 3:
+        raise ConfigError("group", group, f"at most 3 dancers in layout {name!r}; use layout 'custom'")
+    half = room.side_m / 2
+    corners = np.array([[half, half], [-half, half], [half, -half], [-half, -half]])
+    if name == "square":
+        cos, sin = np.cos(room.turn_rad), np.sin(room.turn_rad)
+        corners = corners @ np.array([[cos, sin], [-sin, cos]])
+    return np.concatenate([corners[:group], corners[3:]])
+
+
+def _mount(name: str, index: int, room: RoomConfig) -> Mount:
+    bearing = np.pi / 2 * (1 + index)
+    outward = np.array([np.cos(bearing), np.sin(bearing), 0.0])
+    position = room.sensor_distance_m * outward + np.array([0.0, 0.0, room.sensor_height_m])
+    up = np.array([0.0, 0.0, 1.0])
+    left = np.cross(up, -outward)
+    return Mount(name, position, np.stack([left, up, -outward], axis=1))

@@ -1,0 +1,1 @@
+"""Dancers: when they really move, how cues become motion, and the body that performs it."""

@@ -1,0 +1,1 @@
+"""Sessions on disk: tables, the summary, and recordings for viewers."""

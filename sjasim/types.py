@@ -1,0 +1,494 @@
+"""Plain data that crosses doors between rooms: frozen values, SI units, one clock named per field.
+
+World z is up, quaternions are wxyz. A time field's name says its clock: ``t_s`` is session time (true
+simulation time for what the world logs, the server's estimate of it for an `Event`), ``t_device_s`` is an
+uncorrected device clock, ``t_arrival_s`` is session time at the receiver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+ROBOT = "robot"
+"""The robot's name wherever an agent is named; dancers are ``dancer_1``, ``dancer_2``, ..."""
+
+
+def dancer_name(index: int) -> str:
+    """Name of the dancer with this index, counted from 0: ``dancer_name(0) == "dancer_1"``."""
+    return f"dancer_{index + 1}"
+
+
+class Move(StrEnum):
+    """What a dancer or the robot can be asked to do."""
+
+    FORWARD = "forward"
+    BACKWARD = "backward"
+    STOP = "stop"
+    CLAP = "clap"
+    TURN = "turn"
+
+
+class Kind(StrEnum):
+    """What can be seen to happen. A robot's turn counts as its clap in every synchrony measure.
+
+    Source: iqbal2016, section IV-B.
+    """
+
+    START_FORWARD = "start_forward"
+    STOP_FORWARD = "stop_forward"
+    START_BACKWARD = "start_backward"
+    STOP_BACKWARD = "stop_backward"
+    CLAP = "clap"
+    TURN = "turn"
+
+
+SYNCHRONY_KINDS = (
+    Kind.START_FORWARD,
+    Kind.STOP_FORWARD,
+    Kind.START_BACKWARD,
+    Kind.STOP_BACKWARD,
+    Kind.CLAP,
+)
+"""The five kinds that enter the synchrony measures."""
+
+
+class TrackingState(StrEnum):
+    """How a skeleton's joint is known; the numbers in `SkeletonFrame.state` are `TRACKING_CODES`."""
+
+    NOT_TRACKED = "not_tracked"
+    INFERRED = "inferred"
+    TRACKED = "tracked"
+
+
+NOT_TRACKED, INFERRED, TRACKED = 0, 1, 2
+
+
+@dataclass(frozen=True, slots=True)
+class Cue:
+    """One move that a dancer is going to perform, at the time it will really happen.
+
+    Attributes:
+        dancer: who.
+        move: FORWARD, BACKWARD, CLAP or TURN.
+        iteration: 0 for the rehearsal, then 1, 2, ...
+        ordinal: place of the move's first event among the iteration's events, from 0.
+        beat: nominal beat of the move inside its iteration.
+        t_s: when SpineBase's speed crosses the onset speed (moves), the palms meet (clap), or the turn begins.
+        duration_s: until the speed falls through the onset speed again; 0 for a clap.
+    """
+
+    dancer: str
+    move: Move
+    iteration: int
+    ordinal: int
+    beat: float
+    t_s: float
+    duration_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class JointTargets:
+    """Actuator targets of all dancers for one control tick (in the order of the cast).
+
+    Attributes:
+        joints: (D, J) joint targets with velocity feed-forward included [rad].
+        root: (D, 5) tether targets x, y [m], yaw, pitch, roll [rad], feed-forward included.
+    """
+
+    joints: Array
+    root: Array
+
+
+@dataclass(frozen=True, slots=True)
+class DancerStates:
+    """What the balance controller feels of every dancer at one tick.
+
+    Attributes:
+        com: (D, 3) centre of mass [m].
+        com_velocity: (D, 3) its velocity [m/s].
+        attitude: (D, 9) row-major rotation matrix of the pelvis, world from pelvis.
+        root_velocity: (D, 6) rates of the root's joints: x, y, z [m/s], yaw, pitch, roll [rad/s].
+    """
+
+    com: Array
+    com_velocity: Array
+    attitude: Array
+    root_velocity: Array
+
+
+class StageView(Protocol):
+    """Read-only sight of the stage that sensors get; a scripted one tests them without physics."""
+
+    @property
+    def time_s(self) -> float:
+        """True simulation time [s]."""
+        ...
+
+    @property
+    def joints_m(self) -> Array:
+        """(D, 25, 3) true positions of the dancers' joints, in the order of `assets.names.JOINTS` [m]."""
+        ...
+
+    @property
+    def yaw_rad(self) -> Array:
+        """(D,) true headings of the pelvises [rad], 0 along world x, counter-clockwise."""
+        ...
+
+    def first_hits(self, origin: Array, directions: Array) -> tuple[Array, IntArray]:
+        """Cast rays from one point.
+
+        Args:
+            origin: (3,) world point [m].
+            directions: (N, 3) unit vectors.
+
+        Returns:
+            (N,) distance of the first surface [m], -1 where there is none, and (N,) its owner: the dancer's
+            index, -1 for anything that is not a dancer.
+        """
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class SkeletonFrame:
+    """One person's skeleton as a sensor reports it.
+
+    Attributes:
+        sensor: name of the sensor.
+        person: identity local to that sensor.
+        t_device_s: device clock when the frame had been processed.
+        t_capture_device_s: device clock when the frame was captured.
+        joints: (25, 3) positions in the sensor's frame: x to the sensor's left, y up, z away from the sensor
+            (the Kinect's camera space) [m].
+        state: (25,) `NOT_TRACKED`, `INFERRED` or `TRACKED`.
+    """
+
+    sensor: str
+    person: int
+    t_device_s: float
+    t_capture_device_s: float
+    joints: Array
+    state: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceEvent:
+    """An event as a client reports it, on that client's uncorrected clock.
+
+    Attributes:
+        sensor: name of the client's sensor.
+        person: identity local to that sensor.
+        kind: what happened, or for an early event what is about to.
+        t_device_s: device clock when the frame that shows it had been processed; never back-dated.
+        early: whether this is an early event.
+        t_onset_device_s: the client's estimate of the physical onset on the same clock, or None.
+    """
+
+    sensor: str
+    person: int
+    kind: Kind
+    t_device_s: float
+    early: bool
+    t_onset_device_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PersonStatus:
+    """Where a client believes a person is.
+
+    Attributes:
+        person: identity local to the sensor.
+        x_m: world position on the floor, from the sensor's known mounting.
+        y_m: the same.
+        yaw_rad: world heading.
+        tracked: share of the 25 joints that are tracked, 0 to 1.
+    """
+
+    person: int
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    tracked: float
+
+
+@dataclass(frozen=True, slots=True)
+class ClientStatus:
+    """A client's regular report (5 Hz) of the persons it sees; the server matches persons with it."""
+
+    sensor: str
+    t_device_s: float
+    persons: tuple[PersonStatus, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SyncRequest:
+    """First half of a clock exchange: the server's time when it asked."""
+
+    sensor: str
+    t_server_send_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class SyncReply:
+    """Second half of a clock exchange, with the device clock at reception and at sending."""
+
+    sensor: str
+    t_server_send_s: float
+    t_device_receive_s: float
+    t_device_send_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ClientOrder:
+    """The server's word to a client: detect at full rate, or idle and only report status."""
+
+    sensor: str
+    watch: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """An event in session time, attributed to a member of the cast.
+
+    Attributes:
+        person: cast name, ``dancer_1``...
+        kind: what happened, or for an early event what is about to.
+        t_s: session time by the server's estimate of the client's clock.
+        t_arrival_s: session time when the server received it.
+        early: whether this is an early event.
+        iteration: the iteration whose window holds ``t_s``.
+        sensor: the client it came from.
+    """
+
+    person: str
+    kind: Kind
+    t_s: float
+    t_arrival_s: float
+    early: bool
+    iteration: int
+    sensor: str
+
+
+@dataclass(frozen=True, slots=True)
+class MoveCommand:
+    """An order to the robot. Repeated copies carry the same number and are executed once.
+
+    Attributes:
+        number: counts commands of a session from 1; a higher number replaces a lower one.
+        move: FORWARD, BACKWARD, STOP or TURN.
+        t_start_s: session time when the server sent it first.
+        speed_m_s: cruise speed of a forward or backward move.
+        heading_rad: absolute odometry heading at which a turn ends.
+        iteration: the iteration it belongs to.
+        ordinal: place of its event among the iteration's events, from 0.
+        why: method and evidence in words.
+    """
+
+    number: int
+    move: Move
+    t_start_s: float
+    speed_m_s: float
+    heading_rad: float
+    iteration: int
+    ordinal: int
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class WheelCommand:
+    """Wheel speeds for the base [rad/s]."""
+
+    left_rad_s: float
+    right_rad_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class WheelReading:
+    """What the base's own sensors say: wheel angles since power-up [rad], yaw rate [rad/s]."""
+
+    left_rad: float
+    right_rad: float
+    yaw_rate_rad_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """The robot's own belief, from odometry; session clock (its computer runs the server's clock).
+
+    Attributes:
+        t_s: when the sample was taken.
+        x_m: dead-reckoned position.
+        y_m: the same.
+        heading_rad: dead-reckoned heading, unwrapped.
+        step_m: displacement along the heading since the last sample.
+        yaw_rate_rad_s: the gyro's rate.
+    """
+
+    t_s: float
+    x_m: float
+    y_m: float
+    heading_rad: float
+    step_m: float
+    yaw_rate_rad_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class AgentEvent:
+    """One thing that an agent did, from an event table, odometry or the truth.
+
+    Attributes:
+        iteration: 0 for the rehearsal, then 1, 2, ...
+        agent: ``dancer_1``..., or ``robot``.
+        kind: what it did.
+        t_s: session time.
+        visible: whether the active sensor could see it (truth only; True elsewhere).
+    """
+
+    iteration: int
+    agent: str
+    kind: Kind
+    t_s: float
+    visible: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One robot event that the choreography wants in every iteration.
+
+    Attributes:
+        ordinal: its place in the iteration, from 0.
+        kind: the human event it answers (a clap stands for the robot's turn).
+        occurrence: how many events of this kind come before it in the iteration.
+        beat: nominal beat inside the iteration.
+    """
+
+    ordinal: int
+    kind: Kind
+    occurrence: int
+    beat: float
+
+
+@dataclass(frozen=True, slots=True)
+class Brief:
+    """All that an anticipation method is told before the dance: never the truth, never the dancers' plan.
+
+    Attributes:
+        cast: names of the dancers.
+        steps: the robot's events of one iteration, in order.
+        iterations: how many iterations will be danced.
+        beat_s: nominal length of a beat.
+        iteration_start_s: session time of beat 0 of each iteration, index 0 being the rehearsal.
+        window_end_s: session time at which each iteration's window closes, same index.
+    """
+
+    cast: tuple[str, ...]
+    steps: tuple[Step, ...]
+    iterations: int
+    beat_s: float
+    iteration_start_s: tuple[float, ...]
+    window_end_s: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Intention:
+    """A method's answer: send the command for this step at this time, unless replaced or withdrawn.
+
+    Attributes:
+        iteration: which iteration.
+        ordinal: which of the brief's steps.
+        t_s: session time of sending; a time that has passed means at once.
+        why: evidence in words, for the decision log.
+        person: the dancer whose event decided it, or "".
+    """
+
+    iteration: int
+    ordinal: int
+    t_s: float
+    why: str
+    person: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Withdrawal:
+    """A method's answer: do not send the command for this step after all."""
+
+    iteration: int
+    ordinal: int
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Wake:
+    """A method's answer: call ``on_wake(t_s)`` at this session time."""
+
+    t_s: float
+
+
+Answer = Intention | Withdrawal | Wake
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """One line of the decision log: what was decided, when, and on what evidence."""
+
+    t_s: float
+    iteration: int
+    ordinal: int
+    kind: Kind
+    action: str
+    t_send_s: float
+    person: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """Something that went wrong, named: a dead sensor, a jumped clock, a blocked robot, a fallen dancer."""
+
+    t_s: float
+    source: str
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
+class SessionLog:
+    """Everything a session leaves behind; read back from a session's folder it is the same value.
+
+    Attributes:
+        config: the full configuration as plain data.
+        versions: package versions by name.
+        cues: what each dancer planned, at the times they performed.
+        device_events: events on device clocks, with ``t_sent_s``, the true time of sending (for judging clocks).
+        events: events in session time, as the method was told of them.
+        commands: orders sent to the robot.
+        decisions: the method's decision log.
+        robot_events: the robot's events, from its odometry.
+        notices: what went wrong.
+        odometry: columns of equal length at the odometry rate (t_s, x_m, y_m, heading_rad, step_m,
+            yaw_rate_rad_s, true_x_m, true_y_m, true_heading_rad).
+        truth: columns of equal length, one row per (tick, dancer): see `worlds.TRUTH_COLUMNS`.
+        joints: (F, D, 25, 3) float32 true joints at 30 Hz, or None in a log read from a folder.
+        cost: ``sim_s``, ``cpu_s``, ``wall_s`` and ``peak_mb``.
+    """
+
+    config: Mapping[str, object]
+    versions: Mapping[str, str]
+    cues: tuple[Cue, ...] = ()
+    device_events: tuple[tuple[DeviceEvent, float], ...] = ()
+    events: tuple[Event, ...] = ()
+    commands: tuple[MoveCommand, ...] = ()
+    decisions: tuple[Decision, ...] = ()
+    robot_events: tuple[AgentEvent, ...] = ()
+    notices: tuple[Notice, ...] = ()
+    odometry: Mapping[str, Array] = field(default_factory=dict)
+    truth: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
+    joints: NDArray[np.float32] | None = None
+    cost: Mapping[str, float] = field(default_factory=dict)
