@@ -38,6 +38,7 @@ class BalanceGains:
         yaw: hip angle per yaw error.
         droop: share of the pelvis' sideways droop in single support that is fed forward.
         decay: what remains of a foothold's correction after one tick of standing.
+        follow: how much of the standing feet's drift the centre of mass goes along with.
     """
 
     pressure_along: float = 2.5
@@ -51,6 +52,7 @@ class BalanceGains:
     yaw: float = 0.5
     droop: float = 0.5
     decay: float = 0.94
+    follow: float = 1.0
 
 
 @njit(cache=True)
@@ -60,7 +62,7 @@ def _correct(
     feet: Array, stiffness: Array, lead: Array, root_lead: Array, load: Array, leg: Array, legs: IntArray,
     gain: tuple[float, ...], shift: Array, out: Array, out_root: Array,
 ) -> None:  # fmt: skip
-    kpx, kpy, kp, kpr, kr, ksx, ksy, kdrift, kyaw, kdroop, decay = gain
+    kpx, kpy, kp, kpr, kr, ksx, ksy, kdrift, kyaw, kdroop, decay, follow = gain
     last = joints.shape[1] - 1
     a, b = max(i - 1, 0), min(i + 1, last)
     i = min(i, last)
@@ -81,7 +83,7 @@ def _correct(
         ex = ey = dx = dy = 0.0
         for k in range(2):
             drift = w * (feet[d, 0, k] - ankles[d, i, 0, k]) + (1 - w) * (feet[d, 1, k] - ankles[d, i, 1, k])
-            miss = com[d, k] + com_velocity[d, k] / omega[d] - dcm[d, i, k] - drift
+            miss = com[d, k] + com_velocity[d, k] / omega[d] - dcm[d, i, k] - follow * drift
             if k == 0:
                 ex, dx = miss, drift
             else:

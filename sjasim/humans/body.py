@@ -55,6 +55,7 @@ def dancer_spec(anatomy: Anatomy, index: int, group: int, config: BodyConfig) ->
     """
     spec = mujoco.MjSpec()
     spec.modelname = "dancer"
+    spec.compiler.degree = False
     bodies: list[mujoco.MjsBody] = []
     for segment in anatomy.segments:
         parent = bodies[segment.parent] if segment.parent >= 0 else spec.worldbody
