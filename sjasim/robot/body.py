@@ -53,8 +53,8 @@ def robot_spec(config: RobotConfig) -> mujoco.MjSpec:
     base.add_site(name="base")
     _add_base(base, scale)
     _add_superstructure(base, scale)
-    for name, side in (("wheel_l", 1.0), ("wheel_r", -1.0)):
-        _add_wheel(spec, base, name, side, config, scale)
+    _add_wheel(spec, base, 1.0, config)
+    _add_wheel(spec, base, -1.0, config)
     spec.add_sensor(name="gyro", type=mujoco.mjtSensor.mjSENS_GYRO, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="base")
     return spec
 
@@ -62,7 +62,8 @@ def robot_spec(config: RobotConfig) -> mujoco.MjSpec:
 def _add_base(base: mujoco.MjsBody, scale: float) -> None:
     low, high = _SHELL_Z_M
     size = [_SHELL_RADIUS_M, (high - low) / 2, 0.0]
-    _add_hull(base, "shell", "CYLINDER", size, (0.0, 0.0, (low + high) / 2), _SHELL_KG * scale, _BLACK)
+    place = (0.0, 0.0, (low + high) / 2)
+    _add_hull(base, "shell", shape="CYLINDER", size=size, place=place, mass=_SHELL_KG * scale, rgba=_BLACK)
     base.add_geom(  # the bumper, for the eye only
         name="bumper", type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[_SHELL_RADIUS_M + 0.001, 0.014, 0.0],
         pos=[0.0, 0.0, 0.058], mass=0.0, contype=0, conaffinity=0, rgba=_GREY,
@@ -79,21 +80,31 @@ def _add_superstructure(base: mujoco.MjsBody, scale: float) -> None:
     """Plates, poles, laptop and bar: what stands on the Kobuki."""
     bottom = _SHELL_Z_M[1]
     for level, top in enumerate(_PLATES_Z_M):
-        size = [_PLATE_RADIUS_M, _PLATE_HALF_M, 0.0]
-        _add_hull(base, f"plate_{level + 1}", "CYLINDER", size, (0.0, 0.0, top), _PLATE_KG * scale, _BLACK)
+        _add_hull(
+            base, f"plate_{level + 1}", shape="CYLINDER", size=[_PLATE_RADIUS_M, _PLATE_HALF_M, 0.0],
+            place=(0.0, 0.0, top), mass=_PLATE_KG * scale, rgba=_BLACK,
+        )  # fmt: skip
         half = (top - _PLATE_HALF_M - bottom) / 2
         for corner, (x, y) in enumerate(_POLES_XY_M):
-            place = (x, y, bottom + half)
-            mass = _POLES_KG[level] * scale
-            _add_hull(base, f"pole_{level + 1}{corner + 1}", "CYLINDER", [0.006, half, 0.0], place, mass, _SILVER)
+            _add_hull(
+                base, f"pole_{level + 1}{corner + 1}", shape="CYLINDER", size=[0.006, half, 0.0],
+                place=(x, y, bottom + half), mass=_POLES_KG[level] * scale, rgba=_SILVER,
+            )  # fmt: skip
         bottom = top + _PLATE_HALF_M
-    _add_hull(base, "laptop", "BOX", [0.12, 0.09, 0.012], (-0.01, 0.0, 0.215), _LAPTOP_KG * scale, _GREY)
-    _add_hull(base, "sensor_bar", "BOX", [0.024, 0.09, 0.016], (-0.087, 0.0, 0.309), _BAR_KG * scale, _BLACK)
+    _add_hull(
+        base, "laptop", shape="BOX", size=[0.12, 0.09, 0.012], place=(-0.01, 0.0, 0.215),
+        mass=_LAPTOP_KG * scale, rgba=_GREY,
+    )  # fmt: skip
+    _add_hull(
+        base, "sensor_bar", shape="BOX", size=[0.024, 0.09, 0.016], place=(-0.087, 0.0, 0.309),
+        mass=_BAR_KG * scale, rgba=_BLACK,
+    )  # fmt: skip
 
 
 def _add_hull(
     base: mujoco.MjsBody,
     name: str,
+    *,
     shape: str,
     size: list[float],
     place: tuple[float, float, float],
@@ -107,9 +118,9 @@ def _add_hull(
     )  # fmt: skip
 
 
-def _add_wheel(
-    spec: mujoco.MjSpec, base: mujoco.MjsBody, name: str, side: float, config: RobotConfig, scale: float
-) -> None:
+def _add_wheel(spec: mujoco.MjSpec, base: mujoco.MjsBody, side: float, config: RobotConfig) -> None:
+    """A driven wheel and its motor; side is +1 on the left, -1 on the right."""
+    name = "wheel_l" if side > 0 else "wheel_r"
     radius = config.wheel_radius_m
     wheel = base.add_body(name=name, pos=[0.0, side * config.track_m / 2, radius])
     wheel.add_joint(
@@ -117,7 +128,7 @@ def _add_wheel(
     )
     wheel.add_geom(
         name=name, type=mujoco.mjtGeom.mjGEOM_ELLIPSOID, size=[radius, _WHEEL_HALF_WIDTH_M, radius],
-        mass=_WHEEL_KG * scale, contype=ROBOT_BIT, conaffinity=_MEETS, condim=3, priority=1,
+        mass=_WHEEL_KG * config.mass_kg / _NOMINAL_KG, contype=ROBOT_BIT, conaffinity=_MEETS, condim=3, priority=1,
         friction=_WHEEL_FRICTION, solimp=_FLOOR_SOLIMP, rgba=_GREY,
     )  # fmt: skip
     motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
