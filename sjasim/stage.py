@@ -68,7 +68,7 @@ class Stage:
     Args:
         anatomies: one per dancer.
         layout: where everyone stands.
-        heading_rad: initial heading of dancers and robot.
+        headings_rad: initial headings of the dancers and of the robot.
         postures: (D, 25) hinge angles at the start [rad].
         pelvises: (D, 3) positions at the start [m].
         config: rates.
@@ -80,7 +80,7 @@ class Stage:
         self,
         anatomies: Sequence[Anatomy],
         layout: Layout,
-        heading_rad: float,
+        headings_rad: tuple[float, float],
         postures: Array,
         pelvises: Array,
         config: StageConfig,
@@ -93,7 +93,7 @@ class Stage:
         self.tick = 0
         self.has_robot = robot is not None
         self._index(len(anatomies), body.tether == "weak")
-        self._place(heading_rad, postures, pelvises)
+        self._place(headings_rad, postures, pelvises)
         leads = self._leads()
         weight = self.model.body_subtreemass[self._pelvis] * 9.81
         leg = np.array([anatomy.thigh_m + anatomy.shank_m for anatomy in anatomies])
@@ -137,14 +137,15 @@ class Stage:
             root = -bias[self._tether, 2] / gain[self._tether, 0]
         return -bias[self._servo, 2] / self._stiffness, root
 
-    def _place(self, heading_rad: float, postures: Array, pelvises: Array) -> None:
+    def _place(self, headings_rad: tuple[float, float], postures: Array, pelvises: Array) -> None:
         d = self.data
+        heading_rad, robot_rad = headings_rad
         d.qpos[self._hinges] = postures
         d.qpos[self._root[:, :3]] = pelvises
         d.qpos[self._root[:, 3]] = heading_rad
         if self.has_robot:
             address = self.model.joint(f"{ROBOT_PREFIX}root").qposadr[0]
-            half = heading_rad / 2
+            half = robot_rad / 2
             d.qpos[address + 3 : address + 7] = [np.cos(half), 0.0, 0.0, np.sin(half)]
         d.ctrl[self._servo] = postures
         if self._tethered:
@@ -250,6 +251,12 @@ class Stage:
         rows = first[active][:, None] + np.arange(4)
         np.add.at(out, owner[active], d.efc_force[rows].sum(axis=1))
         return out
+
+    def let_go(self, dancer: int) -> None:
+        """A fallen dancer's muscles and tether go limp."""
+        limp = np.concatenate([self._servo[dancer], *self._tether[dancer : dancer + 1]])
+        self.model.actuator_gainprm[limp] = 0.0
+        self.model.actuator_biasprm[limp, :2] = 0.0
 
     def push(self, dancer: int, force: Array) -> None:
         """Pull at a dancer's trunk with a force (3,) until told otherwise [N]."""

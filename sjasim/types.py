@@ -8,7 +8,7 @@ uncorrected device clock, ``t_arrival_s`` is session time at the receiver.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Protocol
 
@@ -93,6 +93,18 @@ class Cue:
     beat: float
     t_s: float
     duration_s: float
+
+    def events(self) -> tuple[tuple[Kind, float], ...]:
+        """The events that the move gives rise to, with their times; a turn follows a clap and gives none."""
+        if self.move is Move.FORWARD:
+            return ((Kind.START_FORWARD, self.t_s), (Kind.STOP_FORWARD, self.t_s + self.duration_s))
+        if self.move is Move.BACKWARD:
+            return ((Kind.START_BACKWARD, self.t_s), (Kind.STOP_BACKWARD, self.t_s + self.duration_s))
+        return ((Kind.CLAP, self.t_s),) if self.move is Move.CLAP else ()
+
+    def delayed(self, by_s: float) -> Cue:
+        """The same cue, later."""
+        return replace(self, t_s=self.t_s + by_s)
 
 
 @dataclass(frozen=True, slots=True)

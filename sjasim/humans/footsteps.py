@@ -51,16 +51,17 @@ class Walk:
     step_s: float
 
 
-def walk(profile: SpeedProfile, t_s: float, last_side: int) -> Walk:
+def walk(profile: SpeedProfile, t_s: float, last_side: int, free_s: float) -> Walk:
     """Steps that keep the pelvis' profile over the feet: each foot lands where the body is at its next mid-stance.
 
     Args:
         profile: the pelvis' speed.
         t_s: start event.
         last_side: the foot that swung last; the other one begins.
+        free_s: when it has landed; the walk's steps wait for it.
     """
-    begin = t_s - LEAD_S
-    whole = profile.duration_s + LEAD_S + TRAIL_S
+    begin = max(t_s - LEAD_S, free_s)
+    whole = t_s + profile.duration_s + TRAIL_S - begin
     count = max(2, round(whole / STEP_S))
     slot = whole / count
     pause = 0.5 * SUPPORT_SHARE * slot

@@ -149,8 +149,8 @@ class Planner:
         profile = speed_profile(max(wanted, 0.0), cue.duration_s)
         way = sign * _unit(self._heading)
         moving = self._times > cue.t_s - profile.rise_s
-        self._path[moving] = self._at + profile.travelled(self._times[moving] - cue.t_s)[:, None] * way
-        plan = footsteps.walk(profile, cue.t_s, self._steps.last)
+        self._path[moving] += profile.travelled(self._times[moving] - cue.t_s)[:, None] * way
+        plan = footsteps.walk(profile, cue.t_s, self._steps.last, self._steps.settled_s)
         for step in plan.steps:
             self._steps.swing(step, self._at + step.along * way, self._heading)
         self._at = self._at + profile.distance_m * way
