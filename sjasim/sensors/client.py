@@ -26,7 +26,7 @@ from ..types import (
     SyncRequest,
 )
 from .detectors import Detectors
-from .glimpse import across_body, yaw_rad
+from .glimpse import places
 
 _SPINE_BASE = JOINT_INDEX["SpineBase"]
 _ROUNDING_S = 1e-9
@@ -78,6 +78,7 @@ class Client:
         detector_config: DetectorConfig,
         sensor_config: SensorConfig,
         clock: DeviceClock,
+        *,
         dead_from_s: float = math.inf,
     ) -> None:
         self.name = mount.name
@@ -166,7 +167,7 @@ class Client:
     def _status(self, t_device_s: float, skeletons: Skeletons) -> ClientStatus:
         """Report everyone whose SpineBase, hips and shoulders are known; others are left out."""
         base = skeletons.joints[:, _SPINE_BASE] @ self._mount.world_from_sensor.T + self._mount.position
-        yaws = yaw_rad(across_body(skeletons.joints))
+        yaws = [place.yaw_rad() for place in places(skeletons.joints)]
         tracked = np.mean(skeletons.state == TRACKED, axis=1)
         rows = zip(skeletons.persons.tolist(), base.tolist(), yaws, tracked.tolist(), strict=True)
         persons = (

@@ -15,7 +15,7 @@ from ..assets.names import JOINT_INDEX, JOINTS
 from ..choreography.layout import Mount
 from ..config import SensorConfig
 from ..registry import register
-from ..types import TRACKED, Array, IntArray, Skeletons, StageView
+from ..types import Array, IntArray, Skeletons, StageView
 
 BoolArray = NDArray[np.bool_]
 
@@ -35,10 +35,10 @@ HAND_BLEND_S = 0.15
 SETTLED_FACTOR = 1.5
 """A joint that is seen again is tracked once its error is at most this much larger than a visible joint's (assumed)."""
 
-TORSO = tuple(
-    JOINT_INDEX[name]
-    for name in ("SpineBase", "SpineMid", "SpineShoulder", "ShoulderLeft", "ShoulderRight", "HipLeft", "HipRight")
-)
+_BLOCK_FRAMES = 32
+
+_TORSO_NAMES = ("SpineBase", "SpineMid", "SpineShoulder", "ShoulderLeft", "ShoulderRight", "HipLeft", "HipRight")
+TORSO = np.array([JOINT_INDEX[name] for name in _TORSO_NAMES])
 """While any of these is visible, the person's hidden joints are inferred."""
 
 _ARM = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb")) for name in JOINTS])
@@ -71,17 +71,25 @@ class JointsSensing:
     def __init__(self, mount: Mount, config: SensorConfig, group: int, rng: np.random.Generator) -> None:
         order, self._errors, self._losses = rng.spawn(3)
         self.dancers: IntArray = order.permutation(group).astype(np.int64)
-        self.visible: BoolArray = np.zeros((group, len(JOINTS)), dtype=bool)
+        self._shape = (group, len(JOINTS))
+        self.visible: BoolArray = np.zeros(self._shape, dtype=bool)
         self._mount = mount
         self._config = config
         self._persons: IntArray = np.arange(group, dtype=np.int64)
         self._persons.flags.writeable = False
-        self._slope = np.array([math.tan(config.horizontal_fov_rad / 2), math.tan(config.vertical_fov_rad / 2)])
-        shape = (group, len(JOINTS), 3)
-        self._bias = config.bias_m * self._errors.standard_normal(shape)
-        self._drift = config.drift_m * self._errors.standard_normal(shape)
-        self._hidden = np.where(_ARM, config.hidden_factor_hand, config.hidden_factor)
+        self._owner = self.dancers.repeat(len(JOINTS))
+        self._sensor_from_world = np.ascontiguousarray(mount.world_from_sensor.T)
+        fov = config.horizontal_fov_rad, config.vertical_fov_rad
+        self._slope = np.array([[math.tan(angle / 2)] for angle in fov])
+        size = group * len(JOINTS)
+        self._bias = config.bias_m * self._errors.standard_normal((3, size))
+        self._drift = config.drift_m * self._errors.standard_normal((3, size))
+        self._arm = np.tile(_ARM, group)
+        self._hidden = np.where(self._arm, config.hidden_factor_hand, config.hidden_factor)
         self._factor: Array = np.empty(0)
+        self._target: Array = np.empty(0)
+        self._signature = b""
+        self._noises: list[Array] = []
         self._paces: dict[int, tuple[float, float, Array]] = {}
         self._t_s = -math.inf
 
@@ -96,54 +104,69 @@ class JointsSensing:
         """
         if self._config.frame_loss and self._losses.random() < self._config.frame_loss:
             return None
-        offset = view.joints_m[self.dancers] - self._mount.position
-        local = offset @ self._mount.world_from_sensor
+        world = view.joints_m.take(self.dancers, axis=0).reshape(-1, 3)
+        offset = np.ascontiguousarray((world - self._mount.position).T)  # (3, P x 25) is the fast way to lie
+        local = self._sensor_from_world.dot(offset)
         in_view = self._in_view(local)
-        self.visible = in_view & self._reached(view, offset)
-        factor = self._advance(view.time_s)
-        known = in_view & self.visible[:, TORSO].any(axis=1)[:, None]
-        tracked = self.visible & (factor <= SETTLED_FACTOR)
-        state = known * (1 + (tracked & known).view(np.int8)).astype(np.int8)
-        joints = self._bias + self._drift
-        joints *= factor[:, :, None]
-        joints += local
+        visible = in_view & self._reached(view, offset)
+        self.visible = visible.reshape(self._shape)
+        factor = self._advance(view.time_s, visible)
+        torso = np.logical_or.reduce(self.visible.take(TORSO, axis=1), axis=1)
+        known = in_view & torso.repeat(len(JOINTS))
+        state = known.astype(np.int8)
+        state += known & visible & (factor <= SETTLED_FACTOR)
+        error = self._bias + self._drift
+        error *= factor
+        local += error
         if not known.all():
-            joints[~known] = np.nan
+            local[:, ~known] = np.nan
+        joints = np.ascontiguousarray(local.T).reshape(*self._shape, 3)
+        state = state.reshape(self._shape)
         joints.flags.writeable = state.flags.writeable = False
         return Skeletons(self._persons, joints, state)
 
     def _in_view(self, local: Array) -> BoolArray:
-        depth = local[:, :, 2]
-        inside = np.abs(local[:, :, :2]) <= depth[:, :, None] * self._slope
-        near, far = self._config.min_range_m, self._config.max_range_m
-        within: BoolArray = inside[:, :, 0] & inside[:, :, 1] & (depth >= near) & (depth <= far)
-        return within
+        """Which of the joints, (3, N) in the sensor's frame, lie in the field of view and range, (N,)."""
+        depth = local[2]
+        inside: BoolArray = np.logical_and.reduce(np.abs(local[:2]) <= self._slope * depth, axis=0)
+        inside &= depth >= self._config.min_range_m
+        inside &= depth <= self._config.max_range_m
+        return inside
 
     def _reached(self, view: StageView, offset: Array) -> BoolArray:
-        distance = np.sqrt(np.einsum("pji,pji->pj", offset, offset))
-        hit, owner = view.first_hits(self._mount.position, (offset / distance[:, :, None]).reshape(-1, 3))
-        own = owner.reshape(distance.shape) == self.dancers[:, None]
-        hit = hit.reshape(distance.shape)
-        reached: BoolArray = (hit < 0.0) | (hit >= distance - FLESH_M * own)
+        """Which of the joints, (3, N) from the sensor in world axes, a ray reaches, (N,)."""
+        distance = np.sqrt(np.add.reduce(offset * offset, axis=0))
+        hit, owner = view.first_hits(self._mount.position, np.ascontiguousarray((offset / distance).T))
+        reached: BoolArray = hit >= distance - FLESH_M * (owner == self._owner)
+        reached |= hit < 0.0
         return reached
 
-    def _advance(self, t_s: float) -> Array:
-        """Move the errors on to this frame and return their factor, (P, 25)."""
-        target = np.where(self.visible, 1.0, self._hidden)
+    def _advance(self, t_s: float, visible: BoolArray) -> Array:
+        """Move the errors on to this frame and return their factor, (N,)."""
+        signature = visible.tobytes()
+        if signature != self._signature:
+            self._signature = signature
+            self._target = np.where(visible, 1.0, self._hidden)
         if not self._factor.size:
-            self._factor = target
+            self._factor = self._target.copy()
         else:
             kept, fresh, blend = self._pace(max(1, round((t_s - self._t_s) * self._config.rate_hz)))
             self._drift *= kept
-            self._drift += fresh * self._errors.standard_normal(self._drift.shape)
-            self._factor = self._factor + blend * (target - self._factor)
+            self._drift += fresh * self._noise()
+            self._factor += blend * (self._target - self._factor)
         self._t_s = t_s
         return self._factor
 
+    def _noise(self) -> Array:
+        """Unit white noise for one frame, (3, N); drawn for many frames at a time, which is cheaper."""
+        if not self._noises:
+            self._noises = list(self._errors.standard_normal((_BLOCK_FRAMES, *self._drift.shape)))
+        return self._noises.pop()
+
     def _pace(self, frames: int) -> tuple[float, float, Array]:
-        """After so many frames: share of the drift kept, s.d. of what is added [m], (25,) share of a factor's change."""
+        """After so many frames: share of the drift kept, s.d. of what comes anew [m], (N,) share of factor's way."""
         if frames not in self._paces:
             kept = self._config.drift_correlation**frames
-            blend = 1.0 - np.exp(-frames / self._config.rate_hz / np.where(_ARM, HAND_BLEND_S, TORSO_BLEND_S))
+            blend = 1.0 - np.exp(-frames / self._config.rate_hz / np.where(self._arm, HAND_BLEND_S, TORSO_BLEND_S))
             self._paces[frames] = (kept, self._config.drift_m * math.sqrt(1.0 - kept**2), blend)
         return self._paces[frames]

@@ -22,7 +22,8 @@ _MIDDLE = {"SpineBase": (0, 0, 0.95), "SpineMid": (0, 0, 1.18), "SpineShoulder":
            "Head": (0.02, 0, 1.62)}  # fmt: skip
 _LEFT = {"Shoulder": (0, 0.18, 1.38), "Elbow": (-0.02, 0.24, 1.12), "Wrist": (0.04, 0.26, 0.88),
          "Hand": (0.06, 0.26, 0.80), "HandTip": (0.07, 0.26, 0.73), "Thumb": (0.09, 0.24, 0.80),
-         "Hip": (0, 0.09, 0.92), "Knee": (0.02, 0.10, 0.50), "Ankle": (0, 0.10, 0.09), "Foot": (0.12, 0.11, 0.04)}  # fmt: skip
+         "Hip": (0, 0.09, 0.92), "Knee": (0.02, 0.10, 0.50), "Ankle": (0, 0.10, 0.09),
+         "Foot": (0.12, 0.11, 0.04)}  # fmt: skip
 _ARM = ("Wrist", "Hand", "HandTip", "Thumb")
 
 
