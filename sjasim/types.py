@@ -62,7 +62,7 @@ SYNCHRONY_KINDS = (
 
 
 class TrackingState(StrEnum):
-    """How a skeleton's joint is known; the numbers in `SkeletonFrame.state` are `TRACKING_CODES`."""
+    """How a skeleton's joint is known; the numbers in `Skeletons.state` are the codes below, in this order."""
 
     NOT_TRACKED = "not_tracked"
     INFERRED = "inferred"
@@ -191,25 +191,39 @@ class StageView(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
+class Skeletons:
+    """All persons' skeletons in one frame, as a sensing method delivers them; no clock yet.
+
+    Attributes:
+        persons: (P,) identities local to the sensor; the same rows in every frame while nobody comes or goes.
+        joints: (P, 25, 3) positions in the sensor's frame: x to the sensor's left, y up, z away from the sensor
+            (the Kinect's camera space) [m]; NaN where a joint is not tracked.
+        state: (P, 25) `NOT_TRACKED`, `INFERRED` or `TRACKED`.
+    """
+
+    persons: IntArray
+    joints: Array
+    state: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True)
 class SkeletonFrame:
-    """One person's skeleton as a sensor reports it.
+    """One processed frame: the skeletons of all persons with the clocks of their sensor.
 
     Attributes:
         sensor: name of the sensor.
-        person: identity local to that sensor.
         t_device_s: device clock when the frame had been processed.
         t_capture_device_s: device clock when the frame was captured.
-        joints: (25, 3) positions in the sensor's frame: x to the sensor's left, y up, z away from the sensor
-            (the Kinect's camera space) [m].
-        state: (25,) `NOT_TRACKED`, `INFERRED` or `TRACKED`.
+        t_sensor_s: the sensor's own frame time (the Kinect's relative time): its origin means nothing, but it
+            never jumps, so intervals are taken from it.
+        skeletons: what was seen.
     """
 
     sensor: str
-    person: int
     t_device_s: float
     t_capture_device_s: float
-    joints: Array
-    state: NDArray[np.int8]
+    t_sensor_s: float
+    skeletons: Skeletons
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,11 +294,34 @@ class SyncReply:
 
 
 @dataclass(frozen=True, slots=True)
+class MoveDuration:
+    """How long a person's last move of one kind took, by its logged events; it arms the early stop of the next.
+
+    Attributes:
+        person: identity local to the sensor that is told.
+        start: the move's starting event, START_FORWARD or START_BACKWARD.
+        duration_s: from the regular start to the regular stop.
+    """
+
+    person: int
+    start: Kind
+    duration_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class ClientOrder:
-    """The server's word to a client: detect at full rate, or idle and only report status."""
+    """The server's word to a client: detect at full rate, or idle and only report status.
+
+    Attributes:
+        sensor: name of the client's sensor.
+        watch: whether to detect.
+        durations: what the other clients logged before the hand-over; without it a client has no early stop
+            for the first move of each kind that it sees.
+    """
 
     sensor: str
     watch: bool
+    durations: tuple[MoveDuration, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
