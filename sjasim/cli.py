@@ -90,7 +90,8 @@ def config_from(arguments: Sequence[str]) -> SessionConfig:
 
 
 def _one_line(text: str) -> str:
-    """An error box as one line: without its frame, its rules and its pointer to the help."""
-    lines = [re.sub(r"[─│╭╮╰╯]+", " ", line).strip() for line in text.splitlines()]
-    kept = [line for line in lines if line and "--help" not in line and line != "Parsing error"]
-    return " ".join(" ".join(kept).split()) or "these arguments are not understood"
+    """An error box as one line: without its frame, title, rules, and what it says of the option at large."""
+    lines = [line for line in text.splitlines() if not line.startswith("╭")]
+    words = " ".join(re.sub(r"[─│╰╯]+", " ", line) for line in lines if "--help" not in line).split()
+    said = " ".join(words).partition(" Argument helptext:")[0]
+    return said or "these arguments are not understood"
