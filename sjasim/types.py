@@ -8,7 +8,7 @@ uncorrected device clock, ``t_arrival_s`` is session time at the receiver.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Protocol
 
@@ -62,7 +62,7 @@ SYNCHRONY_KINDS = (
 
 
 class TrackingState(StrEnum):
-    """How a skeleton's joint is known; the numbers in `SkeletonFrame.state` are `TRACKING_CODES`."""
+    """How a skeleton's joint is known; the numbers in `Skeletons.state` are the codes below, in this order."""
 
     NOT_TRACKED = "not_tracked"
     INFERRED = "inferred"
@@ -94,13 +94,25 @@ class Cue:
     t_s: float
     duration_s: float
 
+    def events(self) -> tuple[tuple[Kind, float], ...]:
+        """The events that the move gives rise to, with their times; a turn follows a clap and gives none."""
+        if self.move is Move.FORWARD:
+            return ((Kind.START_FORWARD, self.t_s), (Kind.STOP_FORWARD, self.t_s + self.duration_s))
+        if self.move is Move.BACKWARD:
+            return ((Kind.START_BACKWARD, self.t_s), (Kind.STOP_BACKWARD, self.t_s + self.duration_s))
+        return ((Kind.CLAP, self.t_s),) if self.move is Move.CLAP else ()
+
+    def delayed(self, by_s: float) -> Cue:
+        """The same cue, later."""
+        return replace(self, t_s=self.t_s + by_s)
+
 
 @dataclass(frozen=True, slots=True)
 class JointTargets:
     """Actuator targets of all dancers for one control tick (in the order of the cast).
 
     Attributes:
-        joints: (D, J) joint targets with velocity feed-forward included [rad].
+        joints: (D, 25) hinge targets with velocity feed-forward included [rad].
         root: (D, 5) tether targets x, y [m], yaw, pitch, roll [rad], feed-forward included.
     """
 
@@ -115,14 +127,35 @@ class DancerStates:
     Attributes:
         com: (D, 3) centre of mass [m].
         com_velocity: (D, 3) its velocity [m/s].
-        attitude: (D, 9) row-major rotation matrix of the pelvis, world from pelvis.
-        root_velocity: (D, 6) rates of the root's joints: x, y, z [m/s], yaw, pitch, roll [rad/s].
+        root: (D, 6) pelvis x, y, z [m], yaw, pitch (forward positive), roll [rad].
+        root_velocity: (D, 6) its rates.
+        ankles: (D, 2, 3) left and right ankle [m].
     """
 
     com: Array
     com_velocity: Array
-    attitude: Array
+    root: Array
     root_velocity: Array
+    ankles: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Servos:
+    """The dancers' actuators as the balance controller needs to know them.
+
+    Attributes:
+        stiffness: (D, 25) of the hinge servos [Nm/rad].
+        lead: (D, 25) damping over stiffness: the feed-forward time of a target's rate [s].
+        root_lead: (D, 5) the same for the tether; 0 without one [s].
+        weight: (D,) body weight [N].
+        leg: (D,) thigh and shank together [m].
+    """
+
+    stiffness: Array
+    lead: Array
+    root_lead: Array
+    weight: Array
+    leg: Array
 
 
 class StageView(Protocol):
@@ -158,25 +191,39 @@ class StageView(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
+class Skeletons:
+    """All persons' skeletons in one frame, as a sensing method delivers them; no clock yet.
+
+    Attributes:
+        persons: (P,) identities local to the sensor; the same rows in every frame while nobody comes or goes.
+        joints: (P, 25, 3) positions in the sensor's frame: x to the sensor's left, y up, z away from the sensor
+            (the Kinect's camera space) [m]; NaN where a joint is not tracked.
+        state: (P, 25) `NOT_TRACKED`, `INFERRED` or `TRACKED`.
+    """
+
+    persons: IntArray
+    joints: Array
+    state: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True)
 class SkeletonFrame:
-    """One person's skeleton as a sensor reports it.
+    """One processed frame: the skeletons of all persons with the clocks of their sensor.
 
     Attributes:
         sensor: name of the sensor.
-        person: identity local to that sensor.
         t_device_s: device clock when the frame had been processed.
         t_capture_device_s: device clock when the frame was captured.
-        joints: (25, 3) positions in the sensor's frame: x to the sensor's left, y up, z away from the sensor
-            (the Kinect's camera space) [m].
-        state: (25,) `NOT_TRACKED`, `INFERRED` or `TRACKED`.
+        t_sensor_s: the sensor's own frame time (the Kinect's relative time): its origin means nothing, but it
+            never jumps, so intervals are taken from it.
+        skeletons: what was seen.
     """
 
     sensor: str
-    person: int
     t_device_s: float
     t_capture_device_s: float
-    joints: Array
-    state: NDArray[np.int8]
+    t_sensor_s: float
+    skeletons: Skeletons
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,11 +294,34 @@ class SyncReply:
 
 
 @dataclass(frozen=True, slots=True)
+class MoveDuration:
+    """How long a person's last move of one kind took, by its logged events; it arms the early stop of the next.
+
+    Attributes:
+        person: identity local to the sensor that is told.
+        start: the move's starting event, START_FORWARD or START_BACKWARD.
+        duration_s: from the regular start to the regular stop.
+    """
+
+    person: int
+    start: Kind
+    duration_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class ClientOrder:
-    """The server's word to a client: detect at full rate, or idle and only report status."""
+    """The server's word to a client: detect at full rate, or idle and only report status.
+
+    Attributes:
+        sensor: name of the client's sensor.
+        watch: whether to detect.
+        durations: what the other clients logged before the hand-over; without it a client has no early stop
+            for the first move of each kind that it sees.
+    """
 
     sensor: str
     watch: bool
+    durations: tuple[MoveDuration, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

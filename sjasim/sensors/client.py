@@ -1,0 +1,178 @@
+"""The computer behind one sensor: takes frames, detects events, reports status, answers clock exchanges."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ..assets.names import JOINT_INDEX
+from ..choreography.layout import Mount
+from ..clock import DeviceClock
+from ..config import DetectorConfig, SensorConfig
+from ..types import (
+    TRACKED,
+    ClientOrder,
+    ClientStatus,
+    DeviceEvent,
+    PersonStatus,
+    SkeletonFrame,
+    Skeletons,
+    StageView,
+    SyncReply,
+    SyncRequest,
+)
+from .detectors import Detectors
+from .glimpse import places
+
+_SPINE_BASE = JOINT_INDEX["SpineBase"]
+_ROUNDING_S = 1e-9
+
+
+class Sensing(Protocol):
+    """A way to get skeletons from the stage, such as `joints.JointsSensing`."""
+
+    def sample(self, view: StageView) -> Skeletons | None:
+        """See the stage at this instant; None if the frame was lost."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class _Capture:
+    t_s: float
+    skeletons: Skeletons
+    watched: bool
+    report: bool
+
+
+class Client:
+    """One sensor's client.
+
+    A frame captured at t is ready ``latency_frames`` / ``rate_hz`` later; what it shows is stamped with the device
+    clock of that moment, never back-dated. Told to watch, the client takes every frame and sends events; idle, it
+    takes only every frame that a status report is due for. A status that is due with a lost frame goes out with the
+    next one taken. Going from idle to watching, its detectors begin anew: everyone must first be seen standing and
+    facing the sensor, so that a hand-over amid a turn gives no event of its own. Events of frames taken before the
+    order, or ready after an order to idle, are not sent.
+
+    Args:
+        mount: where the sensor is; with it, statuses are in world coordinates.
+        sensing: where skeletons come from.
+        detector_config: the detectors' thresholds.
+        sensor_config: rates and latency.
+        clock: the device's own clock.
+        dead_from_s: session time from which the client neither takes, sends nor answers anything.
+
+    Attributes:
+        name: the sensor's name.
+        watching: whether it detects.
+    """
+
+    def __init__(
+        self,
+        mount: Mount,
+        sensing: Sensing,
+        detector_config: DetectorConfig,
+        sensor_config: SensorConfig,
+        clock: DeviceClock,
+        *,
+        dead_from_s: float = math.inf,
+    ) -> None:
+        self.name = mount.name
+        self.watching = False
+        self._mount = mount
+        self._sensing = sensing
+        self._config = sensor_config
+        self._clock = clock
+        self._dead_from_s = dead_from_s
+        self._detectors = Detectors(detector_config, sensor_config.rate_hz)
+        self._latency_s = sensor_config.latency_frames / sensor_config.rate_hz
+        self._pending: deque[_Capture] = deque()
+        self._ticks = 0
+        self._report_due = False
+        self._t_first_s = math.nan
+        towards = -mount.world_from_sensor[:, 2]
+        self._bearing_rad = math.atan2(towards[1], towards[0])
+
+    @property
+    def next_output_s(self) -> float:
+        """Session time at which the next frame will have been processed; infinite when none is under way."""
+        return self._pending[0].t_s + self._latency_s if self._pending else math.inf
+
+    def capture(self, t_s: float, view: StageView) -> None:
+        """A frame tick: take the frame, if it is wanted.
+
+        Args:
+            t_s: session time, at every tick of the frame rate in order.
+            view: the stage at that time.
+        """
+        if t_s >= self._dead_from_s:
+            return
+        report = self._ticks * self._config.status_hz % self._config.rate_hz < self._config.status_hz
+        self._ticks += 1
+        self._report_due |= report
+        if not (self.watching or report):
+            return
+        skeletons = self._sensing.sample(view)
+        if skeletons is None:
+            return
+        if math.isnan(self._t_first_s):
+            self._t_first_s = t_s
+        self._pending.append(_Capture(t_s, skeletons, self.watching, self._report_due))
+        self._report_due = False
+
+    def outputs(self, t_s: float) -> list[DeviceEvent | ClientStatus]:
+        """Everything from frames whose processing is over by session time ``t_s``, oldest first."""
+        messages: list[DeviceEvent | ClientStatus] = []
+        while self._pending and self.next_output_s <= t_s + _ROUNDING_S:
+            ready_s = self.next_output_s
+            capture = self._pending.popleft()
+            if ready_s < self._dead_from_s:
+                messages.extend(self._process(capture, ready_s))
+        return messages
+
+    def receive(self, t_s: float, message: SyncRequest | ClientOrder) -> SyncReply | None:
+        """A message from the server arrives at session time ``t_s``; an order repeated changes nothing.
+
+        Returns:
+            the answer to a clock exchange, at once, unless the client is dead.
+        """
+        if t_s >= self._dead_from_s:
+            return None
+        if isinstance(message, SyncRequest):
+            t_device_s = self._clock.reading(t_s)
+            return SyncReply(self.name, message.t_server_send_s, t_device_s, t_device_s)
+        if message.watch and not self.watching:
+            self._detectors.reset()
+            self._detectors.learn(message.durations)
+        self.watching = message.watch
+        return None
+
+    def _process(self, capture: _Capture, ready_s: float) -> list[DeviceEvent | ClientStatus]:
+        t_device_s = self._clock.reading(ready_s)
+        messages: list[DeviceEvent | ClientStatus] = []
+        if capture.watched and self.watching:
+            t_capture_device_s = self._clock.reading(capture.t_s)
+            frame = SkeletonFrame(
+                self.name, t_device_s, t_capture_device_s, capture.t_s - self._t_first_s, capture.skeletons
+            )
+            messages.extend(self._detectors.update(frame))
+        if capture.report:
+            messages.append(self._status(t_device_s, capture.skeletons))
+        return messages
+
+    def _status(self, t_device_s: float, skeletons: Skeletons) -> ClientStatus:
+        """Report everyone whose SpineBase, hips and shoulders are known; others are left out."""
+        base = skeletons.joints[:, _SPINE_BASE] @ self._mount.world_from_sensor.T + self._mount.position
+        yaws = [place.yaw_rad() for place in places(skeletons.joints)]
+        tracked = np.mean(skeletons.state == TRACKED, axis=1)
+        rows = zip(skeletons.persons.tolist(), base.tolist(), yaws, tracked.tolist(), strict=True)
+        persons = (
+            PersonStatus(person, x, y, math.remainder(self._bearing_rad + yaw, math.tau), share)
+            for person, (x, y, _), yaw, share in rows
+            if math.isfinite(x + y + yaw)
+        )
+        return ClientStatus(self.name, t_device_s, tuple(persons))

@@ -1,0 +1,172 @@
+"""Joints sensing: the true joints, seen or hidden as rays tell, with the slow errors of a depth skeleton.
+
+White noise of the same size would wreck the detectors (1 cm is enough); what depth skeletons really show is a
+constant bias and a slow drift, and both grow where a joint is hidden.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assets.names import JOINT_INDEX, JOINTS
+from ..choreography.layout import Mount
+from ..config import SensorConfig
+from ..registry import register
+from ..types import Array, IntArray, Skeletons, StageView
+
+BoolArray = NDArray[np.bool_]
+
+FLESH_M = 0.20
+"""A ray that first meets the joint's own dancer so close before the joint counts as reaching it (assumed)."""
+
+TORSO_BLEND_S = 0.5
+"""Time constant with which an error grows or shrinks when a joint is hidden or seen again (assumed).
+
+A hidden torso joint is off by some 1 cm more than a visible one; spread over half a second that is 3 cm/s, far
+below the .20 m/s of a move and the .15 m/s of an early event.
+"""
+
+HAND_BLEND_S = 0.15
+"""The same for elbows, wrists and hands, which no motion event looks at (assumed)."""
+
+SETTLED_FACTOR = 1.5
+"""A joint that is seen again is tracked once its error is at most this much larger than a visible joint's (assumed)."""
+
+_BLOCK_FRAMES = 32
+
+_TORSO_NAMES = ("SpineBase", "SpineMid", "SpineShoulder", "ShoulderLeft", "ShoulderRight", "HipLeft", "HipRight")
+TORSO = np.array([JOINT_INDEX[name] for name in _TORSO_NAMES])
+"""While any of these is visible, the person's hidden joints are inferred."""
+
+_ARM = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb")) for name in JOINTS])
+
+
+@register("sensing", "joints")
+class JointsSensing:
+    """One sensor's skeletons of everybody on the stage, from the truth.
+
+    A joint is *visible* if it lies in the field of view and range and the ray to it meets nothing before it but
+    its own dancer's flesh. Visible joints are tracked (a moment after they come back: see `SETTLED_FACTOR`), others
+    inferred while some of the torso is visible; out of view, or with the torso hidden too, a joint is not tracked
+    and its position is NaN. Left and right are never confused, which a real sensor does behind a person's back.
+
+    Errors are the sensor's own: a constant bias per person and joint, and a drift that follows a first-order
+    autoregression over elapsed frames, also those that were lost or not taken; both times a factor that moves
+    smoothly from 1 (visible) to ``hidden_factor`` (hidden).
+
+    Args:
+        mount: where the sensor is.
+        config: field of view, range, errors, loss.
+        group: number of dancers.
+        rng: the sensor's own random stream; identities, errors and loss draw from separate children of it.
+
+    Attributes:
+        dancers: (P,) index of the dancer behind each row. Only for the record: it is what a server has to find out.
+        visible: (P, 25) what the last frame could see.
+    """
+
+    def __init__(self, mount: Mount, config: SensorConfig, group: int, rng: np.random.Generator) -> None:
+        order, self._errors, self._losses = rng.spawn(3)
+        self.dancers: IntArray = order.permutation(group).astype(np.int64)
+        self._shape = (group, len(JOINTS))
+        self.visible: BoolArray = np.zeros(self._shape, dtype=bool)
+        self._mount = mount
+        self._config = config
+        self._persons: IntArray = np.arange(group, dtype=np.int64)
+        self._persons.flags.writeable = False
+        self._owner = self.dancers.repeat(len(JOINTS))
+        self._sensor_from_world = np.ascontiguousarray(mount.world_from_sensor.T)
+        fov = config.horizontal_fov_rad, config.vertical_fov_rad
+        self._slope = np.array([[math.tan(angle / 2)] for angle in fov])
+        size = group * len(JOINTS)
+        self._bias = config.bias_m * self._errors.standard_normal((3, size))
+        self._drift = config.drift_m * self._errors.standard_normal((3, size))
+        self._arm = np.tile(_ARM, group)
+        self._hidden = np.where(self._arm, config.hidden_factor_hand, config.hidden_factor)
+        self._factor: Array = np.empty(0)
+        self._target: Array = np.empty(0)
+        self._signature = b""
+        self._noises: list[Array] = []
+        self._paces: dict[int, tuple[float, float, Array]] = {}
+        self._t_s = -math.inf
+
+    def sample(self, view: StageView) -> Skeletons | None:
+        """See the stage at this instant.
+
+        Args:
+            view: the stage; times of successive calls must not fall.
+
+        Returns:
+            the skeletons, or None if the frame was lost.
+        """
+        if self._config.frame_loss and self._losses.random() < self._config.frame_loss:
+            return None
+        world = view.joints_m.take(self.dancers, axis=0).reshape(-1, 3)
+        offset = np.ascontiguousarray((world - self._mount.position).T)  # (3, P x 25) is the fast way to lie
+        local = self._sensor_from_world.dot(offset)
+        in_view = self._in_view(local)
+        visible = in_view & self._reached(view, offset)
+        self.visible = visible.reshape(self._shape)
+        factor = self._advance(view.time_s, visible)
+        torso = np.logical_or.reduce(self.visible.take(TORSO, axis=1), axis=1)
+        known = in_view & torso.repeat(len(JOINTS))
+        state = known.astype(np.int8)
+        state += known & visible & (factor <= SETTLED_FACTOR)
+        error = self._bias + self._drift
+        error *= factor
+        local += error
+        if not known.all():
+            local[:, ~known] = np.nan
+        joints = np.ascontiguousarray(local.T).reshape(*self._shape, 3)
+        state = state.reshape(self._shape)
+        joints.flags.writeable = state.flags.writeable = False
+        return Skeletons(self._persons, joints, state)
+
+    def _in_view(self, local: Array) -> BoolArray:
+        """Which of the joints, (3, N) in the sensor's frame, lie in the field of view and range, (N,)."""
+        depth = local[2]
+        inside: BoolArray = np.logical_and.reduce(np.abs(local[:2]) <= self._slope * depth, axis=0)
+        inside &= depth >= self._config.min_range_m
+        inside &= depth <= self._config.max_range_m
+        return inside
+
+    def _reached(self, view: StageView, offset: Array) -> BoolArray:
+        """Which of the joints, (3, N) from the sensor in world axes, a ray reaches, (N,)."""
+        distance = np.sqrt(np.add.reduce(offset * offset, axis=0))
+        hit, owner = view.first_hits(self._mount.position, np.ascontiguousarray((offset / distance).T))
+        reached: BoolArray = hit >= distance - FLESH_M * (owner == self._owner)
+        reached |= hit < 0.0
+        return reached
+
+    def _advance(self, t_s: float, visible: BoolArray) -> Array:
+        """Move the errors on to this frame and return their factor, (N,)."""
+        signature = visible.tobytes()
+        if signature != self._signature:
+            self._signature = signature
+            self._target = np.where(visible, 1.0, self._hidden)
+        if not self._factor.size:
+            self._factor = self._target.copy()
+        else:
+            kept, fresh, blend = self._pace(max(1, round((t_s - self._t_s) * self._config.rate_hz)))
+            self._drift *= kept
+            self._drift += fresh * self._noise()
+            self._factor += blend * (self._target - self._factor)
+        self._t_s = t_s
+        return self._factor
+
+    def _noise(self) -> Array:
+        """Unit white noise for one frame, (3, N); drawn for many frames at a time, which is cheaper."""
+        if not self._noises:
+            self._noises = list(self._errors.standard_normal((_BLOCK_FRAMES, *self._drift.shape)))
+        return self._noises.pop()
+
+    def _pace(self, frames: int) -> tuple[float, float, Array]:
+        """After so many frames: share of the drift kept, s.d. of what comes anew [m], (N,) share of factor's way."""
+        if frames not in self._paces:
+            kept = self._config.drift_correlation**frames
+            blend = 1.0 - np.exp(-frames / self._config.rate_hz / np.where(self._arm, HAND_BLEND_S, TORSO_BLEND_S))
+            self._paces[frames] = (kept, self._config.drift_m * math.sqrt(1.0 - kept**2), blend)
+        return self._paces[frames]
