@@ -64,7 +64,7 @@ class Session:
         if self.method is not None:
             self.method.reset(self.brief, stream(config.seed, "anticipation", config.method))
         self._open_links([mount.name for mount in self.layout.mounts])
-        self._inputs: list[Inward] = []
+        self._inputs: list[tuple[float, Inward]] = []
         self._boundaries = _boundaries(self)
         self.events: list[Event] = []
         self.commands: list[MoveCommand] = []
@@ -105,7 +105,7 @@ class Session:
                 self._send_up(now, output)
             self._receive(now)
             self._conduct(now)
-            self._inputs = [message for link in self._down.values() for _, message in link.receive(now)]
+            self._inputs = [parcel for link in self._down.values() for parcel in link.receive(now)]
 
     def _send_up(self, now: float, output: Outward) -> None:
         if isinstance(output, DeviceEvent):

@@ -67,8 +67,13 @@ class World(Protocol):
         """Session time that has been reached [s]."""
         ...
 
-    def advance(self, until_s: float, inputs: Sequence[Inward]) -> list[Outward]:
-        """Deliver inputs now, then advance to ``until_s`` or to the first instant at which something is sent."""
+    def advance(self, until_s: float, inputs: Sequence[tuple[float, Inward]]) -> list[Outward]:
+        """Deliver inputs now, then advance to ``until_s`` or to the first instant at which something is sent.
+
+        Args:
+            until_s: session time to reach at most.
+            inputs: messages with the session time of their arrival, which is not after the present.
+        """
         ...
 
 
@@ -166,15 +171,15 @@ class PhysicsWorld:
         """Session time that has been reached [s]."""
         return self.stage.time_s
 
-    def advance(self, until_s: float, inputs: Sequence[Inward]) -> list[Outward]:
+    def advance(self, until_s: float, inputs: Sequence[tuple[float, Inward]]) -> list[Outward]:
         """See `World`; instants between two ticks count as the later one."""
         self._outbox = []
         now = self.time_s
-        for message in inputs:
+        for t_arrival_s, message in inputs:
             if isinstance(message, MoveCommand):
                 self._executor.receive(now, message)
             else:
-                reply = self._clients[message.sensor].receive(now, message)
+                reply = self._clients[message.sensor].receive(t_arrival_s, message, now)
                 if reply is not None:
                     self._outbox.append(reply)
         goal = self.stage.ticks.at_or_after(until_s)

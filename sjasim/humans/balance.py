@@ -41,18 +41,18 @@ class BalanceGains:
         follow: how much of the standing feet's drift the centre of mass goes along with.
     """
 
-    pressure_along: float = 2.5
-    pressure_across: float = 2.5
-    pitch: float = 0.6
-    pitch_rate: float = 0.0
-    roll: float = 0.6
-    step_along: float = 0.4
-    step_across: float = 0.4
-    drift: float = 0.5
-    yaw: float = 0.5
-    droop: float = 0.5
-    decay: float = 0.94
-    follow: float = 1.0
+    pressure_along: float = 3.65
+    pressure_across: float = 2.7
+    pitch: float = 0.94
+    pitch_rate: float = 0.05
+    roll: float = 0.58
+    step_along: float = 0.22
+    step_across: float = -0.25
+    drift: float = 1.1
+    yaw: float = 0.49
+    droop: float = 0.3
+    decay: float = 0.92
+    follow: float = 0.0
 
 
 @njit(cache=True)

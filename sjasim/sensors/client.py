@@ -145,8 +145,13 @@ class Client:
                 messages.extend(self._process(capture, ready_s))
         return messages
 
-    def receive(self, t_s: float, message: SyncRequest | ClientOrder) -> SyncReply | None:
-        """A message from the server arrives at session time ``t_s``; an order repeated changes nothing.
+    def receive(self, t_arrival_s: float, message: SyncRequest | ClientOrder, t_s: float) -> SyncReply | None:
+        """A message from the server; an order repeated changes nothing.
+
+        Args:
+            t_arrival_s: session time at which it arrived, and was stamped.
+            message: what arrived.
+            t_s: session time at which it is dealt with, not before ``t_arrival_s``.
 
         Returns:
             the answer to a clock exchange, at once, unless the client is dead.
@@ -154,8 +159,8 @@ class Client:
         if t_s >= self._dead_from_s:
             return None
         if isinstance(message, SyncRequest):
-            t_device_s = self._clock.reading(t_s)
-            return SyncReply(self.name, message.t_server_send_s, t_device_s, t_device_s)
+            received_s, sent_s = self._clock.reading(t_arrival_s), self._clock.reading(t_s)
+            return SyncReply(self.name, message.t_server_send_s, received_s, sent_s)
         if message.watch and not self.watching:
             self._detectors.reset()
             self._detectors.learn(message.durations)

@@ -172,7 +172,7 @@ def client(
 def watch(view: ScriptedView, until_s: float, watcher: Client | None = None, from_s: float = 0.0) -> list[DeviceEvent]:
     """Let a client watch a scripted view; its events, persons replaced by the dancers' indices."""
     watcher = watcher or client(group=len(view.scripts))
-    watcher.receive(from_s, ClientOrder(watcher.name, True))
+    watcher.receive(from_s, ClientOrder(watcher.name, True), from_s)
     messages: list[object] = []
     for tick in range(round(from_s * FRAME_HZ), round(until_s * FRAME_HZ)):
         watcher.capture(tick / FRAME_HZ, view.at(tick / FRAME_HZ))
