@@ -165,7 +165,7 @@ class Client:
         return messages
 
     def _status(self, t_device_s: float, skeletons: Skeletons) -> ClientStatus:
-        """Report everyone whose SpineBase, hips and shoulders are known; others are left out."""
+        """Report everyone whose SpineBase and hips are known; others are left out."""
         base = skeletons.joints[:, _SPINE_BASE] @ self._mount.world_from_sensor.T + self._mount.position
         yaws = [place.yaw_rad() for place in places(skeletons.joints)]
         tracked = np.mean(skeletons.state == TRACKED, axis=1)

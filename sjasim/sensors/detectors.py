@@ -67,7 +67,8 @@ class MotionDetector:
     tells the kind: nobody has to know the expected move. It is sent once and armed again after ``early_rest_s``.
     Early stop: while moving, after ``early_move_share`` of the duration of the person's last move of that kind,
     fewer than ``early_joints`` do so in as many frames; never if no such move has been logged, nor with too few
-    joints tracked to tell. An early event that would come in the same frame as its regular one is not sent.
+    joints tracked to tell. At a brisk start or stop the early event may come in the same frame as the regular one,
+    and before it.
 
     Args:
         config: thresholds.
@@ -87,7 +88,7 @@ class MotionDetector:
         self._since_s = self._t_early_s = -math.inf
         self._run = 0
 
-    def update(self, t_s: float, seen: Glimpse, span_s: float, busy: bool) -> Sighting | None:
+    def update(self, t_s: float, seen: Glimpse, span_s: float, busy: bool) -> tuple[Sighting | None, Sighting | None]:
         """Judge one frame.
 
         Args:
@@ -97,21 +98,22 @@ class MotionDetector:
             busy: whether a clap disarms the early start.
 
         Returns:
-            the event that this frame shows, or None.
+            the early event and the regular one that this frame shows, each or None.
         """
         if abs(seen.yaw_rad) > FACING_RAD:
             self.reset()
-            return None
-        if self._phase is _Phase.UNSETTLED:
+        elif self._phase is _Phase.UNSETTLED:
             if abs(seen.yaw_rad) <= FACING_RAD and abs(seen.speed_m_s) < self._c.off_m_s:
                 self._enter(_Phase.STANDING, t_s)
-            return None
-        if self._phase is not _Phase.STANDING:
-            return self._moving(t_s, seen, span_s)
-        if abs(seen.yaw_rate_rad_s) > TURNING_RAD_S:
+        elif self._phase is not _Phase.STANDING:
+            moved_s = t_s - self._since_s + _ROUNDING_S
+            return self._early_stop(t_s, moved_s, seen), self._stop(t_s, moved_s, seen, span_s)
+        elif abs(seen.yaw_rate_rad_s) > TURNING_RAD_S:
             self._enter(_Phase.STANDING, t_s)
-            return None
-        return self._standing(t_s, seen, span_s, busy)
+        else:
+            rested_s = t_s - self._since_s + _ROUNDING_S
+            return self._early_start(t_s, rested_s, seen, busy), self._start(t_s, rested_s, seen, span_s)
+        return None, None
 
     def _enter(self, phase: _Phase, t_s: float) -> None:
         self._phase = phase
@@ -119,12 +121,14 @@ class MotionDetector:
         self._t_early_s = -math.inf
         self._run = 0
 
-    def _standing(self, t_s: float, seen: Glimpse, span_s: float, busy: bool) -> Sighting | None:
-        rested_s = t_s - self._since_s + _ROUNDING_S
-        if abs(seen.speed_m_s) > self._c.on_m_s and rested_s >= self._c.min_hold_s:
-            phase = _Phase.FORWARD if seen.speed_m_s > 0.0 else _Phase.BACKWARD
-            self._enter(phase, t_s)
-            return Sighting(_START[phase], False, t_s - span_s / 2)
+    def _start(self, t_s: float, rested_s: float, seen: Glimpse, span_s: float) -> Sighting | None:
+        if not (abs(seen.speed_m_s) > self._c.on_m_s and rested_s >= self._c.min_hold_s):
+            return None
+        phase = _Phase.FORWARD if seen.speed_m_s > 0.0 else _Phase.BACKWARD
+        self._enter(phase, t_s)
+        return Sighting(_START[phase], False, t_s - span_s / 2)
+
+    def _early_start(self, t_s: float, rested_s: float, seen: Glimpse, busy: bool) -> Sighting | None:
         if busy or min(rested_s, t_s - self._t_early_s) < self._c.early_rest_s:
             self._run = 0
             return None
@@ -136,13 +140,16 @@ class MotionDetector:
         self._t_early_s = t_s
         return Sighting(_START[_Phase(sign)], True)
 
-    def _moving(self, t_s: float, seen: Glimpse, span_s: float) -> Sighting | None:
+    def _stop(self, t_s: float, moved_s: float, seen: Glimpse, span_s: float) -> Sighting | None:
         phase = self._phase
-        moved_s = t_s - self._since_s + _ROUNDING_S
-        if moved_s >= self._c.min_move_s and phase * seen.speed_m_s < self._c.off_m_s:
-            self.durations[_START[phase]] = t_s - self._since_s
-            self._enter(_Phase.STANDING, t_s)
-            return Sighting(_STOP[phase], False, t_s - span_s / 2)
+        if not (moved_s >= self._c.min_move_s and phase * seen.speed_m_s < self._c.off_m_s):
+            return None
+        self.durations[_START[phase]] = t_s - self._since_s
+        self._enter(_Phase.STANDING, t_s)
+        return Sighting(_STOP[phase], False, t_s - span_s / 2)
+
+    def _early_stop(self, t_s: float, moved_s: float, seen: Glimpse) -> Sighting | None:
+        phase = self._phase
         armed_s = self._c.early_move_share * self.durations.get(_START[phase], math.inf)
         if moved_s < armed_s or self._t_early_s > self._since_s:
             return None
@@ -246,11 +253,10 @@ class Detectors:
         events: list[DeviceEvent] = []
         for row, glimpse in enumerate(seen):
             clap = self._claps[row].update(t_s, glimpse)
-            motion = self._motion[row].update(t_s, glimpse, span_s, self._claps[row].busy(t_s))
-            if clap:
-                events.append(_device_event(frame, self._names[row], clap))
-            if motion:
-                events.append(_device_event(frame, self._names[row], motion))
+            early, regular = self._motion[row].update(t_s, glimpse, span_s, self._claps[row].busy(t_s))
+            if clap or early or regular:
+                found = (clap, early, regular)
+                events.extend(_device_event(frame, self._names[row], one) for one in found if one)
         return events
 
     def _meet(self, persons: IntArray) -> None:

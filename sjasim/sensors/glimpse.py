@@ -26,7 +26,7 @@ class Glimpse(NamedTuple):
         away: the same away from the sensor.
         tracked: how many of the four are tracked; the others are not counted above.
         hand_ratio: hand distance over shoulder distance in the sensor's x-y plane; NaN unless all four are tracked.
-        yaw_rad: heading relative to facing the sensor, counter-clockwise from above; NaN if hips or shoulders miss.
+        yaw_rad: heading relative to facing the sensor, counter-clockwise from above; NaN if a hip is missing.
         yaw_rate_rad_s: its rate over the same frames as the speed.
     """
 
@@ -61,10 +61,13 @@ class Places(NamedTuple):
     right_hip_z: float
 
     def yaw_rad(self) -> float:
-        """Heading relative to facing the sensor, from the lines across shoulders and hips; NaN if one is missing."""
-        x = self.left_x - self.right_x + self.left_hip_x - self.right_hip_x
-        z = self.left_z - self.right_z + self.left_hip_z - self.right_hip_z
-        return math.atan2(z, -x)
+        """Heading relative to facing the sensor, from the lines across shoulders and hips.
+
+        From the hips alone where a shoulder is missing (it leaves the range first); NaN where a hip is.
+        """
+        hips_x, hips_z = self.left_hip_x - self.right_hip_x, self.left_hip_z - self.right_hip_z
+        x, z = hips_x + self.left_x - self.right_x, hips_z + self.left_z - self.right_z
+        return math.atan2(hips_z, -hips_x) if math.isnan(x + z) else math.atan2(z, -x)
 
     def hand_ratio(self) -> float:
         """Hand distance over shoulder distance, both as the sensor sees them; NaN if the shoulders coincide."""
