@@ -166,9 +166,9 @@ class Client:
 
     def _status(self, t_device_s: float, skeletons: Skeletons) -> ClientStatus:
         """Report everyone whose SpineBase and hips are known; others are left out."""
-        base = skeletons.joints[:, _SPINE_BASE] @ self._mount.world_from_sensor.T + self._mount.position
+        base = self._mount.world_from_sensor.dot(skeletons.joints[:, _SPINE_BASE].T).T + self._mount.position
         yaws = [place.yaw_rad() for place in places(skeletons.joints)]
-        tracked = np.mean(skeletons.state == TRACKED, axis=1)
+        tracked = np.add.reduce(skeletons.state == TRACKED, axis=1) / len(JOINT_INDEX)
         rows = zip(skeletons.persons.tolist(), base.tolist(), yaws, tracked.tolist(), strict=True)
         persons = (
             PersonStatus(person, x, y, math.remainder(self._bearing_rad + yaw, math.tau), share)

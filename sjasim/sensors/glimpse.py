@@ -93,6 +93,9 @@ _STATES = np.array(
     [JOINT_INDEX[name] for name in ("SpineMid", "Neck", "ShoulderLeft", "ShoulderRight", "HandLeft", "HandRight")]
 )
 
+_HANDS_TRACKED = [TRACKED] * 4
+"""The last four of `_STATES` when a clap can be seen."""
+
 
 def places(joints: Array) -> list[Places]:
     """Take out what the detectors need.
@@ -160,20 +163,22 @@ class Glimpses:
             if oldest:
                 speed = (oldest.places[row].base_z - place.base_z) / self.span_s
                 turned = math.remainder(yaw - oldest.yaws[row], math.tau) / self.span_s
-            counts, hands = _compare(place, before.places[row], states[row], floor_m)
-            seen.append(Glimpse(speed, *counts, place.hand_ratio() if hands else math.nan, yaw, turned))
+            towards, away, tracked = _compare(place, before.places[row], states[row], floor_m)
+            ratio = place.hand_ratio() if states[row][2:] == _HANDS_TRACKED else math.nan
+            seen.append(Glimpse(speed, towards, away, tracked, ratio, yaw, turned))
         self._past.append(_Past(t_s, now, [glimpse.yaw_rad for glimpse in seen]))
         return seen
 
 
-def _compare(now: Places, before: Places, states: list[int], floor_m: float) -> tuple[tuple[int, int, int], bool]:
-    """Counts of upper joints going towards the sensor, away from it, and tracked; whether a clap could be seen."""
-    mid_ok, neck_ok, left_ok, right_ok = [state == TRACKED for state in states[:4]]
+def _compare(now: Places, before: Places, states: list[int], floor_m: float) -> tuple[int, int, int]:
+    """Counts of upper joints going towards the sensor, going away from it, and tracked."""
+    mid_state, neck_state, left_state, right_state, *_ = states
+    mid_ok, neck_ok = mid_state == TRACKED, neck_state == TRACKED
+    left_ok, right_ok = left_state == TRACKED, right_state == TRACKED
     mid, neck = before.mid_z - now.mid_z, before.neck_z - now.neck_z
     left, right = before.left_z - now.left_z, before.right_z - now.right_z
     towards = (mid_ok and mid > floor_m) + (neck_ok and neck > floor_m)
     towards += (left_ok and left > floor_m) + (right_ok and right > floor_m)
     away = (mid_ok and mid < -floor_m) + (neck_ok and neck < -floor_m)
     away += (left_ok and left < -floor_m) + (right_ok and right < -floor_m)
-    hands = left_ok and right_ok and states[4] == TRACKED and states[5] == TRACKED
-    return (towards, away, mid_ok + neck_ok + left_ok + right_ok), hands
+    return towards, away, mid_ok + neck_ok + left_ok + right_ok

@@ -119,7 +119,7 @@ class JointsSensing:
         error *= factor
         local += error
         if np.count_nonzero(known) < known.size:
-            local[:, ~known] = np.nan
+            np.copyto(local, np.nan, where=~known)
         joints = np.ascontiguousarray(local.T).reshape(*self._shape, 3)
         state = state.reshape(self._shape)
         joints.flags.writeable = state.flags.writeable = False
