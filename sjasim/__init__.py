@@ -1,1 +1,67 @@
-"""sjasim: three dancers and a robot, in simulation, to try group coordination before people are recruited."""
+"""sjasim: three dancers and a robot, in simulation, to try group coordination before people are recruited.
+
+The public names are loaded when they are first used, so that importing the package stays quick and brings in
+neither MuJoCo nor rerun.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import os
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .analysis.measures import measures
+    from .anticipation import synchrony
+    from .config import SessionConfig
+    from .session import run_session
+    from .types import SessionLog
+
+__version__ = "0.1.0"
+
+__all__ = ["SessionConfig", "SessionLog", "__version__", "measures", "run_session", "synchrony"]
+
+_PUBLIC = {
+    "SessionConfig": (".config", "SessionConfig"),
+    "SessionLog": (".types", "SessionLog"),
+    "measures": (".analysis.measures", "measures"),
+    "run_session": (".session", "run_session"),
+    "synchrony": (".anticipation.synchrony", None),
+}
+
+
+def __getattr__(name: str) -> object:
+    """Load a public name when it is first asked for."""
+    if name not in _PUBLIC:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    place, attribute = _PUBLIC[name]
+    module = importlib.import_module(place, __name__)
+    value: object = getattr(module, attribute) if attribute else module
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+def _pick_gl() -> None:
+    """Choose an off-screen OpenGL for MuJoCo on a Linux machine without a display, before MuJoCo is loaded.
+
+    A choice made by the user stands. With no library at all rendering is disabled; sensors cast rays and need none.
+    """
+    if "MUJOCO_GL" in os.environ or not sys.platform.startswith("linux") or os.environ.get("DISPLAY"):
+        return
+    for library, name in (("libEGL.so.1", "egl"), ("libOSMesa.so.8", "osmesa")):
+        try:
+            ctypes.CDLL(library)
+        except OSError:
+            continue
+        os.environ["MUJOCO_GL"] = name
+        return
+    os.environ["MUJOCO_GL"] = "disable"
+
+
+_pick_gl()

@@ -8,7 +8,7 @@ uncorrected device clock, ``t_arrival_s`` is session time at the receiver.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Protocol
 
@@ -94,13 +94,25 @@ class Cue:
     t_s: float
     duration_s: float
 
+    def events(self) -> tuple[tuple[Kind, float], ...]:
+        """The events that the move gives rise to, with their times; a turn follows a clap and gives none."""
+        if self.move is Move.FORWARD:
+            return ((Kind.START_FORWARD, self.t_s), (Kind.STOP_FORWARD, self.t_s + self.duration_s))
+        if self.move is Move.BACKWARD:
+            return ((Kind.START_BACKWARD, self.t_s), (Kind.STOP_BACKWARD, self.t_s + self.duration_s))
+        return ((Kind.CLAP, self.t_s),) if self.move is Move.CLAP else ()
+
+    def delayed(self, by_s: float) -> Cue:
+        """The same cue, later."""
+        return replace(self, t_s=self.t_s + by_s)
+
 
 @dataclass(frozen=True, slots=True)
 class JointTargets:
     """Actuator targets of all dancers for one control tick (in the order of the cast).
 
     Attributes:
-        joints: (D, J) joint targets with velocity feed-forward included [rad].
+        joints: (D, 25) hinge targets with velocity feed-forward included [rad].
         root: (D, 5) tether targets x, y [m], yaw, pitch, roll [rad], feed-forward included.
     """
 
@@ -115,14 +127,35 @@ class DancerStates:
     Attributes:
         com: (D, 3) centre of mass [m].
         com_velocity: (D, 3) its velocity [m/s].
-        attitude: (D, 9) row-major rotation matrix of the pelvis, world from pelvis.
-        root_velocity: (D, 6) rates of the root's joints: x, y, z [m/s], yaw, pitch, roll [rad/s].
+        root: (D, 6) pelvis x, y, z [m], yaw, pitch (forward positive), roll [rad].
+        root_velocity: (D, 6) its rates.
+        ankles: (D, 2, 3) left and right ankle [m].
     """
 
     com: Array
     com_velocity: Array
-    attitude: Array
+    root: Array
     root_velocity: Array
+    ankles: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Servos:
+    """The dancers' actuators as the balance controller needs to know them.
+
+    Attributes:
+        stiffness: (D, 25) of the hinge servos [Nm/rad].
+        lead: (D, 25) damping over stiffness: the feed-forward time of a target's rate [s].
+        root_lead: (D, 5) the same for the tether; 0 without one [s].
+        weight: (D,) body weight [N].
+        leg: (D,) thigh and shank together [m].
+    """
+
+    stiffness: Array
+    lead: Array
+    root_lead: Array
+    weight: Array
+    leg: Array
 
 
 class StageView(Protocol):

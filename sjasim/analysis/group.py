@@ -1,0 +1,116 @@
+"""How well the group moved together, iteration by iteration: synchrony, whom the robot followed, timing.
+
+Source: iqbal2016, sections III and VI.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..anticipation.appropriateness import occurrences, timing_appropriateness
+from ..anticipation.synchrony import Series, group_index, most_synchronous
+from ..choreography.score import Timetable
+from ..config import SessionConfig
+from ..types import ROBOT, AgentEvent, Array, dancer_name
+
+Events = Sequence[AgentEvent]
+
+
+@dataclass(frozen=True, slots=True)
+class Togetherness:
+    """One iteration of one set of events (logged or true).
+
+    Attributes:
+        iteration: which.
+        gsi: group synchronisation index under the paper's edges.
+        gsi_full_edges: under all edges, which alone compares methods fairly.
+        msp: the most synchronous person of this iteration.
+        follows: whom the robot followed in this iteration; "" where it followed nobody, or everybody.
+        steps_s: (A, K) time of each step by each agent, dancers first, after beat 0 [s]; NaN where missing.
+        ta_s: (K,) timing appropriateness of each step [s]; NaN where undefined.
+    """
+
+    iteration: int
+    gsi: float
+    gsi_full_edges: float
+    msp: str
+    follows: str
+    steps_s: Array
+    ta_s: Array
+
+
+def follower_from(config: SessionConfig) -> int | None:
+    """First iteration in which the robot follows one dancer; None if it never does.
+
+    SIA alone follows one; every other method is taken to use all dancers.
+    """
+    if config.method != "sia":
+        return None
+    return int(config.method_options.get("effective_from", 2))
+
+
+def together(events: Events, config: SessionConfig, timetable: Timetable) -> list[Togetherness]:
+    """Measure every danced iteration.
+
+    Args:
+        events: regular events of dancers and robot, assigned to iterations; the rehearsal's only settle ties of
+            the first most synchronous person.
+        config: method (``none`` leaves the robot out), tau, number of dancers.
+        timetable: beats.
+    """
+    cast = [dancer_name(index) for index in range(config.group)]
+    agents = cast if config.method == "none" else [*cast, ROBOT]
+    tau, one_to_one = config.synchrony.tau_s, config.synchrony.one_to_one
+    since, before = follower_from(config), None
+    rows: list[Togetherness] = []
+    for iteration in range(timetable.first, timetable.last + 1):
+        series = _series(events, agents, iteration, timetable.start_s(iteration))
+        dancers = {name: series[name] for name in cast}
+        chosen = before if since is not None and iteration >= since else None
+        if iteration >= 1:
+            follows: list[str] | None = None if since is None else ([] if chosen is None else [chosen])
+            paper = group_index(series, "paper", follows, tau, one_to_one).gsi
+            full = group_index(series, "full", None, tau, one_to_one).gsi
+            steps = _steps(series, timetable, iteration)
+            ta_s = np.zeros(0) if config.method == "none" else timing_appropriateness(steps[-1], steps[:-1])
+            msp = most_synchronous(dancers, before, tau, one_to_one).person
+            rows.append(Togetherness(iteration, paper, full, msp, chosen or "", steps, ta_s))
+        before = most_synchronous(dancers, before, tau, one_to_one).person
+    return rows
+
+
+def net_latencies(rows: Sequence[Togetherness], timetable: Timetable) -> dict[str, Array]:
+    """Robot's event minus the followed dancer's, by event kind [s]; empty where nobody is followed."""
+    steps = timetable.choreography.steps()
+    gaps: dict[str, list[float]] = {step.kind.value: [] for step in steps}
+    for row in rows:
+        if not row.follows:
+            continue
+        followed = row.steps_s[int(row.follows.rpartition("_")[2]) - 1]
+        for step, gap in zip(steps, row.steps_s[-1] - followed, strict=True):
+            if np.isfinite(gap):
+                gaps[step.kind.value].append(float(gap))
+    return {kind: np.array(values) for kind, values in gaps.items() if values}
+
+
+def _series(events: Events, agents: Sequence[str], iteration: int, start_s: float) -> dict[str, Series]:
+    """Times after beat 0 and kinds of every agent in one iteration."""
+    mine: dict[str, list[AgentEvent]] = {agent: [] for agent in agents}
+    for event in events:
+        if event.iteration == iteration and event.agent in mine:
+            mine[event.agent].append(event)
+    return {
+        agent: ([event.t_s - start_s for event in found], [event.kind for event in found])
+        for agent, found in mine.items()
+    }
+
+
+def _steps(series: dict[str, Series], timetable: Timetable, iteration: int) -> Array:
+    """(A, K) time of each step by each agent after beat 0 [s]."""
+    steps = timetable.choreography.steps()
+    start_s = timetable.start_s(iteration)
+    expected = np.array([timetable.time_s(iteration, step.beat) - start_s for step in steps])
+    return np.array([occurrences(times, kinds, steps, expected) for times, kinds in series.values()])

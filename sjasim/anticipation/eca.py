@@ -1,0 +1,105 @@
+"""Event cluster-based anticipation: the robot repeats the dancers' mean times of the last iteration.
+
+Source: iqbal2016, section III-B.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import ConfigError
+from ..registry import register
+from ..types import Answer, Brief, Event, Intention
+from .appropriateness import EPSILON_S
+from .history import History
+
+LEAD_S = 0.15
+"""How long before a scheduled time the command is sent [s]; assumed: the pilots of iqbal2016 measured the robot's
+latency, so its builders knew it, but the paper gives no figure."""
+
+
+@dataclass(frozen=True, slots=True)
+class EcaConfig:
+    """Options of ECA.
+
+    Attributes:
+        epsilon_s: largest gap between neighbours of one cluster; wider forgives stragglers, and averages them in.
+        lead_s: how long before the predicted time a command is sent; larger makes the robot earlier.
+    """
+
+    epsilon_s: float = EPSILON_S
+    lead_s: float = LEAD_S
+
+    def __post_init__(self) -> None:
+        for name, value, low in (("epsilon_s", self.epsilon_s, 0.0), ("lead_s", self.lead_s, -2.0)):
+            if not low <= value <= 10.0:
+                raise ConfigError(f"eca.{name}", value, f"seconds from {low:g} to 10")
+
+
+@register("anticipation", "eca", config=EcaConfig)
+class Eca:
+    """ECA: when an iteration closes, schedules the next one at the mean of each event's cluster.
+
+    A step that fewer than two dancers did together keeps its last time, first the nominal beat; so does a whole
+    iteration without events. The rehearsal is the history of iteration 1.
+
+    Args:
+        config: its options.
+    """
+
+    def __init__(self, config: EcaConfig = EcaConfig()) -> None:
+        self._config = config
+
+    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
+        """Begin a dance."""
+        self._brief = brief
+        self._history = History(brief, self._config.epsilon_s)
+        self._scheduled = 0
+
+    def on_event(self, event: Event) -> Sequence[Answer]:
+        """Remember; never answer."""
+        self._history.add(event)
+        return ()
+
+    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
+        """Schedule an iteration that has nothing before it (no rehearsal) by nominal beats."""
+        return () if iteration <= self._scheduled else self._schedule(iteration)
+
+    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
+        """Schedule the next iteration."""
+        return self._schedule(iteration + 1)
+
+    def on_wake(self, t_s: float) -> Sequence[Answer]:
+        """No timers."""
+        return ()
+
+    def _schedule(self, iteration: int) -> Sequence[Answer]:
+        if iteration > self._brief.iterations:
+            return ()
+        self._scheduled = iteration
+        return scheduled(self._brief, self._history, iteration, self._config.lead_s)
+
+
+def scheduled(brief: Brief, history: History, iteration: int, lead_s: float) -> tuple[Intention, ...]:
+    """Learn from the iteration before, and answer with one intention for each step.
+
+    Args:
+        brief: the dance.
+        history: events so far; its schedule moves on.
+        iteration: which to schedule, from 1.
+        lead_s: how long before its time a command is sent [s].
+    """
+    fresh = history.learn(iteration - 1)
+    start = brief.iteration_start_s[iteration]
+    return tuple(
+        Intention(
+            iteration,
+            step.ordinal,
+            start + float(history.schedule[index]) - lead_s,
+            f"mean of iteration {iteration - 1}" if fresh[index] else "kept: too few dancers together",
+        )
+        for index, step in enumerate(brief.steps)
+    )

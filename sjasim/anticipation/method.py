@@ -1,0 +1,95 @@
+"""The contract of an anticipation method, and how to write one.
+
+A method decides when the robot performs each of the brief's steps. It is told of events as they reach the server,
+of the iterations' beginnings and ends, and of timers it asked for, and answers with values:
+
+- `Intention`: send the command for a step at a session time; a later one for the same step replaces it, and a
+  time that has passed means at once. Once a command is sent its step is over.
+- `Withdrawal`: do not send that step's command after all.
+- `Wake`: call ``on_wake`` at a session time.
+
+Nothing else is needed: no clock, no polling, no knowledge of links or of the robot's speed. To write a method, put
+a class with the five methods below in a file of this room, with a frozen dataclass of its options::
+
+    @register("anticipation", "echo", config=EchoConfig)
+    class Echo:
+        def __init__(self, config: EchoConfig = EchoConfig()) -> None: ...
+        def reset(self, brief, rng): ...
+        def on_event(self, event): return (Intention(event.iteration, 0, event.t_arrival_s, "echo"),)
+        def on_iteration_start(self, iteration, t_s): return ()
+        def on_iteration_end(self, iteration, t_s): return ()
+        def on_wake(self, t_s): return ()
+
+or keep it in a module of your own (``--method my_module:Echo``; options then come from the class attribute
+``config_type``, if there is one). ``reset`` must put the method back into the state of a new one. A method never
+sees the truth or the dancers' plan: events and the brief are all there is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from ..errors import ConfigError, PluginError
+from ..registry import resolve
+from ..types import Answer, Brief, Event
+
+
+@runtime_checkable
+class Method(Protocol):
+    """What the session calls; every hook answers at once and may answer nothing."""
+
+    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
+        """Begin a dance: forget everything, remember the brief; ``rng`` is the method's own random stream."""
+        ...
+
+    def on_event(self, event: Event) -> Sequence[Answer]:
+        """An event has reached the server, at ``event.t_arrival_s``; in order of arrival, not of ``t_s``."""
+        ...
+
+    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
+        """Beat 0 of an iteration; iteration 0 is the rehearsal, in which the robot does not dance."""
+        ...
+
+    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
+        """An iteration's window has closed; the next one's first events may come before its beat 0."""
+        ...
+
+    def on_wake(self, t_s: float) -> Sequence[Answer]:
+        """A time asked for with `Wake` has come."""
+        ...
+
+
+def build(name: str, options: Mapping[str, float | int | bool | str] | None = None) -> Method:
+    """Make a method from its name and options.
+
+    Args:
+        name: a registered name or ``module:Class``.
+        options: fields of the method's config; what is missing keeps its default.
+
+    Raises:
+        UnknownNameError: nothing is registered under the name.
+        ConfigError: an option the method does not have, or a value it does not allow.
+        PluginError: the object lacks one of the contract's methods.
+    """
+    entry = resolve("anticipation", name)
+    given = dict(options or {})
+    if entry.config is None:
+        if given:
+            raise ConfigError("method_options", given, f"nothing: {name!r} has no options")
+        method = entry.factory()
+    else:
+        fields = tuple(getattr(entry.config, "__dataclass_fields__", {}))
+        unknown = [key for key in given if key not in fields]
+        if unknown:
+            raise ConfigError("method_options", unknown, f"options of {name!r}: {', '.join(fields)}")
+        method = entry.factory(entry.config(**given))
+    if not isinstance(method, Method):
+        missing = [hook for hook in _HOOKS if not callable(getattr(method, hook, None))]
+        raise PluginError(f"anticipation {name!r} lacks {', '.join(missing)}")
+    return method
+
+
+_HOOKS = ("reset", "on_event", "on_iteration_start", "on_iteration_end", "on_wake")

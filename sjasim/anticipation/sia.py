@@ -1,0 +1,182 @@
+"""Synchronisation index-based anticipation: the robot follows the most synchronous dancer of the last iteration.
+
+Source: iqbal2016, section III-A.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import ConfigError
+from ..registry import register
+from ..types import Answer, Array, Brief, Event, Intention, Kind, Withdrawal
+from .appropriateness import EPSILON_S
+from .eca import LEAD_S, scheduled
+from .history import History
+from .synchrony import most_synchronous
+
+STARTS = (Kind.START_FORWARD, Kind.START_BACKWARD)
+
+
+@dataclass(frozen=True, slots=True)
+class SiaConfig:
+    """Options of SIA. How many early frames make an early event is the detector's option, not the method's.
+
+    Attributes:
+        window_s: an event is followed within this distance of the same event one iteration ago; narrower misses
+            a group that starts early or late together, wider follows false events (assumed: iqbal2016 says
+            "close to"; below 1.5 s many events fall out).
+        effective_from: first iteration in which a dancer is followed; before it the schedule is ECA's.
+        lead_s: how long before a scheduled time a command is sent; larger makes unfollowed moves earlier.
+        epsilon_s: as in ECA.
+        tau_s: window of the synchrony measure that chooses the dancer.
+        edges: the robot's outgoing edges while it follows nobody: ``none`` or ``all`` (`Sia.follows`).
+    """
+
+    window_s: float = 2.0
+    effective_from: int = 2
+    lead_s: float = LEAD_S
+    epsilon_s: float = EPSILON_S
+    tau_s: float = 0.25
+    edges: str = "none"
+
+    def __post_init__(self) -> None:
+        for name, value, low in (
+            ("window_s", self.window_s, 0.05),
+            ("effective_from", self.effective_from, 1),
+            ("lead_s", self.lead_s, -2.0),
+            ("epsilon_s", self.epsilon_s, 0.0),
+            ("tau_s", self.tau_s, 0.001),
+        ):
+            if not low <= value <= 64:
+                raise ConfigError(f"sia.{name}", value, f"a number from {low:g} to 64")
+        if self.edges not in ("none", "all"):
+            raise ConfigError("sia.edges", self.edges, "none or all")
+
+
+@register("anticipation", "sia", config=SiaConfig)
+class Sia:
+    """SIA: chooses the most synchronous dancer when an iteration closes, and follows them through the next one.
+
+    Only the next unresolved step is listened for. An early event of the followed dancer triggers it, else their
+    regular event, within the window around the same dancer's time one iteration ago (the schedule's, where they
+    lack it). A clap has no early event. If the window closes with neither, the scheduled command is used, at once
+    if its time has passed, and the decision says ``fallback``. If meanwhile a regular event shows that the dancer
+    is past the step, a stop or turn falls back at once, and a start is passed over: its move is over.
+
+    Args:
+        config: its options.
+    """
+
+    def __init__(self, config: SiaConfig = SiaConfig()) -> None:
+        self._config = config
+
+    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
+        """Begin a dance."""
+        self._brief = brief
+        self._history = History(brief, self._config.epsilon_s)
+        self._scheduled = 0
+        self._chosen: dict[int, str] = {}
+        self._before: str | None = None
+        self._leader = ""
+        self._note = ""
+        self._start_s = 0.0
+        self._next = len(brief.steps)
+        self._reference: Array = np.zeros(len(brief.steps))
+        self._close: Array = np.zeros(len(brief.steps))
+
+    def follows(self, iteration: int) -> tuple[str, ...] | None:
+        """Whom the robot follows in an iteration, as `synchrony.group_index` wants it; None for everyone."""
+        if iteration >= self._config.effective_from and iteration - 1 in self._chosen:
+            return (self._chosen[iteration - 1],)
+        return () if self._config.edges == "none" else None
+
+    def on_event(self, event: Event) -> Sequence[Answer]:
+        """Remember, and follow if it is the leader's and expected."""
+        self._history.add(event)
+        if event.person != self._leader or (event.early and event.kind == Kind.CLAP):
+            return ()
+        self._pass_closed(event.t_arrival_s)
+        after = event.t_s - self._start_s
+        step = self._step_of(event.kind, after)
+        if step is None or step < self._next:
+            return ()
+        if step == self._next:
+            return (self._follow(event),)
+        if event.early or after < self._reference[self._next]:
+            return ()
+        skipped = [self._pass_over(event) for _ in range(step - self._next)]
+        return (*skipped, self._follow(event))
+
+    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
+        """Schedule an iteration that has nothing before it (no rehearsal)."""
+        return () if iteration <= self._scheduled else self._prepare(iteration)
+
+    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
+        """Choose whom to follow, and prepare the next iteration."""
+        return self._prepare(iteration + 1)
+
+    def on_wake(self, t_s: float) -> Sequence[Answer]:
+        """No timers: fallbacks are intentions that an event replaces."""
+        return ()
+
+    def _prepare(self, iteration: int) -> Sequence[Answer]:
+        self._leader = ""
+        if iteration > self._brief.iterations:
+            return ()
+        self._scheduled = iteration
+        self._choose(iteration - 1)
+        intentions = scheduled(self._brief, self._history, iteration, self._config.lead_s)
+        if iteration < self._config.effective_from:
+            return intentions
+        self._leader = self._chosen[iteration - 1]
+        own = self._history.times(iteration - 1)[self._brief.cast.index(self._leader)]
+        self._reference = np.where(np.isfinite(own), own, self._history.schedule)
+        self._start_s = self._brief.iteration_start_s[iteration]
+        end = self._brief.window_end_s[iteration] - self._start_s
+        self._close = np.minimum(self._reference + self._config.window_s, end)
+        self._next = 0
+        why = f"fallback: no event within {self._config.window_s:g} s of the time expected of {self._note}"
+        return tuple(
+            Intention(iteration, plan.ordinal, self._start_s + min(max(close, plan.t_s - self._start_s), end), why)
+            for plan, close in zip(intentions, self._close.tolist(), strict=True)
+        )
+
+    def _choose(self, iteration: int) -> None:
+        series = self._history.series(iteration)
+        choice = most_synchronous(series, self._before, self._config.tau_s)
+        self._chosen[iteration] = choice.person
+        if any(kinds for _, kinds in series.values()):
+            self._before = choice.person
+        others = ", ".join(name for name in choice.tied if name != choice.person)
+        self._note = f"{choice.person}, most synchronous in iteration {iteration}"
+        if others:
+            self._note += f" (tie with {others})"
+
+    def _pass_closed(self, now_s: float) -> None:
+        while self._next < len(self._close) and now_s >= self._start_s + self._close[self._next]:
+            self._next += 1
+
+    def _step_of(self, kind: Kind, after_s: float) -> int | None:
+        """The step whose expected time is nearest, if the window holds the event."""
+        own = [(abs(self._reference[step.ordinal] - after_s), step.ordinal)
+               for step in self._brief.steps if step.kind == kind]  # fmt: skip
+        distance, ordinal = min(own, default=(np.inf, -1))
+        return ordinal if distance <= self._config.window_s else None
+
+    def _follow(self, event: Event) -> Intention:
+        step = self._brief.steps[self._next]
+        self._next += 1
+        why = f"{'early ' if event.early else ''}{event.kind.value} of {self._note}"
+        return Intention(self._scheduled, step.ordinal, event.t_arrival_s, why, event.person)
+
+    def _pass_over(self, event: Event) -> Answer:
+        step = self._brief.steps[self._next]
+        self._next += 1
+        if step.kind in STARTS:
+            return Withdrawal(self._scheduled, step.ordinal, f"passed over: {event.kind.value} of {self._note}")
+        why = f"fallback: {event.kind.value} came first of {self._note}"
+        return Intention(self._scheduled, step.ordinal, event.t_arrival_s, why)

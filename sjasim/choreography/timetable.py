@@ -1,0 +1,22 @@
+"""The timetable that a configuration asks for: its dance, its tempo, its iterations."""
+
+from __future__ import annotations
+
+from ..config import SessionConfig
+from ..errors import PluginError
+from ..registry import resolve
+from .score import Choreography, TempoMap, Timetable
+
+
+def timetable(config: SessionConfig) -> Timetable:
+    """Lay out a session's dance in time.
+
+    Raises:
+        UnknownNameError: no choreography of that name.
+        PluginError: the named object does not make a `Choreography`.
+    """
+    dance = resolve("choreography", config.dance.name).factory()
+    if not isinstance(dance, Choreography):
+        raise PluginError(f"choreography {config.dance.name!r} made {type(dance).__name__}, not a Choreography")
+    first = 0 if config.dance.rehearsal else 1
+    return Timetable(dance, TempoMap.steady(config.dance.bpm), config.dance.lead_in_s, first, config.iterations)

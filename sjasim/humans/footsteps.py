@@ -1,0 +1,163 @@
+"""Footsteps: when and where each foot swings, and how the weight and the zero-moment point follow.
+
+Step times and the height of a swing are assumed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..types import Array
+from .anatomy import Anatomy
+from .profile import SpeedProfile, smooth
+from .reference import Reference
+
+STEP_S = 0.50
+"""Usual time from one step to the next [s]: about a beat at 118 BPM."""
+LEAD_S = 0.20
+"""A walk's first step begins so long before the start event [s]."""
+TRAIL_S = 0.12
+"""A walk's last step ends so long after the stop event [s]."""
+SUPPORT_SHARE = 0.22
+"""Share of a step during which both feet stand."""
+LIFT_M = 0.05
+"""Height of a swing [m]."""
+SHIFT_S = 0.12
+"""Smoothing of the weight's passage between the feet [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One swing: side 0 left, 1 right; from lift-off to touch-down [s]; where it lands along the move.
+
+    ``along`` is a way in metres for a walk and a share of the angle for a turn.
+    """
+
+    side: int
+    lift_s: float
+    land_s: float
+    along: float
+
+
+@dataclass(frozen=True, slots=True)
+class Walk:
+    """The steps of one walk, its begin and end, and the time per step [s]."""
+
+    steps: tuple[Step, ...]
+    start_s: float
+    end_s: float
+    step_s: float
+
+
+def walk(profile: SpeedProfile, t_s: float, last_side: int, free_s: float) -> Walk:
+    """Steps that keep the pelvis' profile over the feet: each foot lands where the body is at its next mid-stance.
+
+    Args:
+        profile: the pelvis' speed.
+        t_s: start event.
+        last_side: the foot that swung last; the other one begins.
+        free_s: when it has landed; the walk's steps wait for it.
+    """
+    begin = max(t_s - LEAD_S, free_s)
+    whole = t_s + profile.duration_s + TRAIL_S - begin
+    count = max(2, round(whole / STEP_S))
+    slot = whole / count
+    pause = 0.5 * SUPPORT_SHARE * slot
+    steps = []
+    for j in range(count):
+        middle = begin + (j + 1.5) * slot - t_s
+        way = profile.distance_m if j >= count - 2 else float(profile.travelled(np.array(middle)))
+        side = (last_side + 1 + j) % 2
+        lift, land = begin + j * slot + pause, begin + (j + 1) * slot - pause
+        steps.append(Step(side, lift, land, way))
+    return Walk(tuple(steps), begin, begin + whole, slot)
+
+
+def turn(t_s: float, duration_s: float) -> tuple[Step, ...]:
+    """Four steps of a turn on the spot to the left: left, right to half the angle, then both to all of it."""
+    slot = duration_s / 4
+    pause = 0.5 * SUPPORT_SHARE * slot
+    return tuple(
+        Step(j % 2, t_s + j * slot + pause, t_s + (j + 1) * slot - pause, 0.5 if j < 2 else 1.0) for j in range(4)
+    )
+
+
+class Feet:
+    """Both feet on the grid of control ticks.
+
+    Args:
+        slot: (2,) where the dancer stands [m].
+        heading_rad: initial heading.
+        hip_m: half the distance between the feet.
+        ankle_m: height of a standing foot's ankle.
+        times: (T,) ticks [s].
+        reference: where the feet are written: ankles, foot_yaw, landing.
+    """
+
+    def __init__(
+        self, slot: Array, heading_rad: float, hip_m: float, ankle_m: float, times: Array, reference: Reference
+    ) -> None:
+        self._hip_m = hip_m
+        self._ankle_m = ankle_m
+        self._times = times
+        self._dt = float(times[1] - times[0])
+        self.ankles, self.yaw, self.landing = reference.ankles, reference.foot_yaw, reference.landing
+        self.yaw[:] = heading_rad
+        for side in range(2):
+            self.ankles[:, side, :2] = self._beside(slot, heading_rad, side)
+        self.ankles[:, :, 2] = ankle_m
+        self.last = 1
+        self.settled_s = 0.0
+
+    def _beside(self, point: Array, heading_rad: float, side: int) -> Array:
+        half = self._hip_m if side == 0 else -self._hip_m
+        return point + half * np.array([-np.sin(heading_rad), np.cos(heading_rad)])
+
+    def swing(self, step: Step, point: Array, heading_rad: float) -> None:
+        """Swing a foot to its place beside ``point`` (2,) at a heading; it stays there from then on."""
+        first, last = np.searchsorted(self._times, (step.lift_s, step.land_s))
+        span = slice(first, last)
+        share = (self._times[span] - step.lift_s) / (step.land_s - step.lift_s)
+        ease = smooth(share)
+        origin, goal = self.ankles[first, step.side, :2].copy(), self._beside(point, heading_rad, step.side)
+        yaw = self.yaw[first, step.side]
+        self.ankles[span, step.side, :2] = origin + ease[:, None] * (goal - origin)
+        self.ankles[span, step.side, 2] = self._ankle_m + LIFT_M * np.sin(np.pi * share) ** 2
+        self.yaw[span, step.side] = yaw + ease * (heading_rad - yaw)
+        self.landing[span, step.side] = step.land_s - self._times[span]
+        self.ankles[last:, step.side, :2] = goal
+        self.ankles[last:, step.side, 2] = self._ankle_m
+        self.yaw[last:, step.side] = heading_rad
+        self.last = step.side
+        self.settled_s = step.land_s
+
+    def weight(self, span: slice) -> Array:
+        """(T,) share of the weight on the left foot: all on one while the other swings, eased in between."""
+        swinging = self.landing[span] > 0
+        raw = np.where(swinging[:, 0], 0.0, np.where(swinging[:, 1], 1.0, 0.5))
+        kernel = np.hanning(2 * round(SHIFT_S / 2 / self._dt) + 3)[1:-1]
+        half = len(kernel) // 2
+        padded = np.concatenate([np.full(half, raw[0]), raw, np.full(half, raw[-1])])
+        return np.convolve(padded, kernel / kernel.sum(), "valid")
+
+    def zmp(self, span: slice, weight: Array, ahead_m: float) -> Array:
+        """(T, 2) zero-moment point: between the soles' middles, ``ahead_m`` before the ankles [m]."""
+        yaw = self.yaw[span]
+        soles = self.ankles[span, :, :2] + ahead_m * np.stack([np.cos(yaw), np.sin(yaw)], axis=2)
+        return np.asarray(weight[:, None] * soles[:, 0] + (1.0 - weight[:, None]) * soles[:, 1])
+
+
+def pelvis_height(pelvis: Array, yaw: Array, ankles: Array, anatomy: Anatomy, dt_s: float) -> Array:
+    """(T,) height of the pelvis: standing height, lower where a leg could not reach, smoothly so [m]."""
+    reach = (anatomy.thigh_m + anatomy.shank_m - 0.010) ** 2
+    height = np.full(len(pelvis), anatomy.standing_m)
+    for side, sign in ((0, 1.0), (1, -1.0)):
+        hip = pelvis[:, :2] + sign * anatomy.hip_m * np.stack([-np.sin(yaw), np.cos(yaw)], axis=1)
+        flat = ((ankles[:, side, :2] - hip) ** 2).sum(axis=1)
+        height = np.minimum(height, np.sqrt(np.maximum(reach - flat, 0.04)) + ankles[:, side, 2])
+    kernel = np.hanning(2 * round(0.12 / dt_s) + 3)[1:-1]
+    half = len(kernel) // 2
+    padded = np.concatenate([np.full(half, height[0]), height, np.full(half, height[-1])])
+    return np.minimum(np.convolve(padded, kernel / kernel.sum(), "valid"), height + 0.006)

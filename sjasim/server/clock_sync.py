@@ -1,0 +1,142 @@
+"""How far a client's clock is from the server's: exchanges of four time stamps, the quickest of which count.
+
+A reading is modelled as ``t_device = t + offset + drift (t - origin)``. The error of one exchange is half the
+difference of its two one-way delays, so it never exceeds half the round trip; a constant asymmetry of the link
+cannot be seen from inside and biases the offset by half of it.
+
+Source: mills1991 (four time stamps, minimum-delay filter), with a least-squares line for the drift.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+from ..types import SyncReply
+
+BUCKET = 8
+"""Exchanges among which the quickest is kept: 2 s at 4 Hz."""
+
+KEPT = 16
+"""Quickest exchanges the line is fitted to: about half a minute at 4 Hz."""
+
+DRIFT_SPAN_S = 6.0
+"""Below this span no drift is estimated: the exchanges' own error would exceed a quartz's drift."""
+
+MARGIN_S = 0.005
+"""What a jump must exceed beyond the delay bound [s]."""
+
+MAX_DRIFT = 1e-3
+"""Relative rate error no clock exceeds: what an old estimate may have gone wrong by per second."""
+
+Sample = tuple[float, float, float]
+"""Session time of the exchange's middle [s], offset [s], round trip [s]."""
+
+
+class ClockSync:
+    """Estimate of one client's clock.
+
+    Until the first exchange it is unlocked and a device time means nothing.
+    """
+
+    __slots__ = ("_best", "_drift", "_offset_s", "_origin_s", "_recent")
+
+    def __init__(self) -> None:
+        self._best: deque[Sample] = deque(maxlen=KEPT)
+        self._recent: list[Sample] = []
+        self._origin_s = 0.0
+        self._offset_s = 0.0
+        self._drift = 0.0
+
+    @property
+    def locked(self) -> bool:
+        """Whether there is an estimate."""
+        return bool(self._best or self._recent)
+
+    @property
+    def offset_s(self) -> float:
+        """Device clock minus session clock, at the time of the last exchange [s]."""
+        return self._offset_s
+
+    @property
+    def drift(self) -> float:
+        """Relative rate error; 0 until the exchanges span `DRIFT_SPAN_S`."""
+        return self._drift
+
+    @property
+    def round_trip_s(self) -> float:
+        """Quickest round trip among the samples held [s]; infinite while unlocked."""
+        return min((delay for _, _, delay in (*self._best, *self._recent)), default=float("inf"))
+
+    def session_time(self, t_device_s: float) -> float:
+        """Session time of a device time, by the present estimate [s]."""
+        return self._origin_s + (t_device_s - self._offset_s - self._origin_s) / (1.0 + self._drift)
+
+    def add(self, reply: SyncReply, t_arrival_s: float) -> float:
+        """Take in an exchange.
+
+        Args:
+            reply: what the client sent back.
+            t_arrival_s: session time of its arrival.
+
+        Returns:
+            0, or the size of the jump the clock has made [s]: the exchange then lies so far from the estimate that
+            no delay can explain it, and everything older is forgotten. An impossible exchange (negative round
+            trip, as one that spans the jump) is ignored.
+        """
+        delay = (t_arrival_s - reply.t_server_send_s) - (reply.t_device_send_s - reply.t_device_receive_s)
+        if delay < -MARGIN_S:
+            return 0.0
+        delay = max(delay, 0.0)
+        offset = (reply.t_device_receive_s - reply.t_server_send_s + reply.t_device_send_s - t_arrival_s) / 2
+        middle = (reply.t_server_send_s + t_arrival_s) / 2
+        jump = self._jump(middle, offset, delay)
+        if jump:
+            self._best.clear()
+            self._recent.clear()
+            self._drift = 0.0
+        self._recent.append((middle, offset, delay))
+        self._fit()
+        if len(self._recent) >= BUCKET:
+            self._best.append(min(self._recent, key=_delay))
+            self._recent.clear()
+        return jump
+
+    def _jump(self, middle: float, offset: float, delay: float) -> float:
+        if not self.locked:
+            return 0.0
+        age = middle - self._origin_s
+        change = offset - (self._offset_s + self._drift * age)
+        bound = delay / 2 + MARGIN_S + (0.0 if age < DRIFT_SPAN_S else MAX_DRIFT * age)
+        return change if abs(change) > bound else 0.0
+
+    def _fit(self) -> None:
+        """Least squares through the quickest exchanges; a slow one weighs little, its error being larger."""
+        last = self._recent[-1][0]
+        samples = [*self._best, min(self._recent, key=_delay)]
+        if len(self._best) < 3:
+            samples = [*self._best, *self._recent]
+        quickest = min(map(_delay, samples))
+        weight = mean_t = mean_o = 0.0
+        weights = []
+        for time, offset, delay in samples:
+            w = 1.0 / (0.001 + delay - quickest) ** 2
+            weights.append(w)
+            weight += w
+            mean_t += w * time
+            mean_o += w * offset
+        mean_t /= weight
+        mean_o /= weight
+        drift = 0.0
+        if samples[-1][0] - samples[0][0] >= DRIFT_SPAN_S:
+            across = along = 0.0
+            for w, (time, offset, _) in zip(weights, samples, strict=True):
+                along += w * (time - mean_t) ** 2
+                across += w * (time - mean_t) * (offset - mean_o)
+            drift = max(-MAX_DRIFT, min(MAX_DRIFT, across / along))
+        self._origin_s = last
+        self._drift = drift
+        self._offset_s = mean_o + drift * (last - mean_t)
+
+
+def _delay(sample: Sample) -> float:
+    return sample[2]

@@ -1,0 +1,214 @@
+"""The server's hand: a method's answers become robot commands, each sent once, at its time, and kept alive."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Iterable
+
+from ..choreography.layout import Layout
+from ..choreography.score import Timetable
+from ..config import RobotConfig
+from ..types import (
+    Answer,
+    Brief,
+    Decision,
+    Intention,
+    Kind,
+    Move,
+    MoveCommand,
+    RobotState,
+    Wake,
+    Withdrawal,
+)
+
+MOVES = {
+    Kind.START_FORWARD: Move.FORWARD,
+    Kind.STOP_FORWARD: Move.STOP,
+    Kind.START_BACKWARD: Move.BACKWARD,
+    Kind.STOP_BACKWARD: Move.STOP,
+    Kind.CLAP: Move.TURN,
+    Kind.TURN: Move.TURN,
+}
+"""The robot's move for each of the dance's events; it turns where dancers clap (iqbal2016, section II-C)."""
+
+SPEED_M_S = (0.15, 0.40)
+"""Slowest and fastest cruise of a corrected move [m/s]: slower is hardly seen as a move, faster starts too late."""
+
+SHORTEST_S = 0.5
+"""Shortest duration a move is planned for [s]."""
+
+Key = tuple[int, int]
+"""Iteration and ordinal."""
+
+
+class Dispatcher:
+    """Keeps at most one pending intention per step, sends each step once, and repeats the current command.
+
+    A step behind one that has been sent is ignored: the robot never goes back in the score. The current command
+    is repeated with its own number at the heartbeat's rate, so that a lost packet costs one beat and a silent link
+    stops the base; a standing robot hears STOP repeated.
+
+    Args:
+        brief: the dance.
+        timetable: headings of the iterations.
+        layout: the robot's slot.
+        robot: its cruise speed, acceleration and odometry rate.
+        heartbeat_hz: repetitions per second.
+    """
+
+    def __init__(
+        self, brief: Brief, timetable: Timetable, layout: Layout, robot: RobotConfig, heartbeat_hz: float
+    ) -> None:
+        self._brief = brief
+        self._timetable = timetable
+        self._slot = (float(layout.robot[0]), float(layout.robot[1]))
+        self._robot = robot
+        self._beat_s = 1.0 / heartbeat_hz
+        self._steps = {step.ordinal: step for step in brief.steps}
+        self._pending: dict[Key, Intention] = {}
+        self._sent_s: dict[Key, float] = {}
+        self._last: Key = (-1, -1)
+        self._wakes: list[float] = []
+        self._current: MoveCommand | None = None
+        self._repeat_s = math.inf
+        self._pending_s = math.inf
+        self._state: RobotState | None = None
+        self.decisions: list[Decision] = []
+
+    @property
+    def next_due_s(self) -> float:
+        """Session time at which `due` or `wakes_due` has something to do; infinite for never."""
+        return min(self._pending_s, self._repeat_s, self._wakes[0] if self._wakes else math.inf)
+
+    @property
+    def current(self) -> MoveCommand | None:
+        """The command in force, or None before the first one."""
+        return self._current
+
+    def robot(self, state: RobotState) -> None:
+        """Take in where the robot believes it is."""
+        self._state = state
+
+    def answer(self, t_s: float, answers: Iterable[Answer]) -> None:
+        """Take in a method's answers, given at session time ``t_s``.
+
+        An intention for an unknown step, for one that is sent or behind a sent one, or without a finite time is
+        logged as ``ignored``.
+        """
+        for item in answers:
+            if isinstance(item, Wake):
+                if math.isfinite(item.t_s):
+                    heapq.heappush(self._wakes, max(item.t_s, t_s))
+            elif isinstance(item, Withdrawal):
+                self._withdraw(t_s, item)
+            else:
+                self._intend(t_s, item)
+        self._pending_s = min((item.t_s for item in self._pending.values()), default=math.inf)
+
+    def wakes_due(self, t_s: float) -> list[float]:
+        """Take out the timers that have come by ``t_s``, earliest first."""
+        due: list[float] = []
+        while self._wakes and self._wakes[0] <= t_s:
+            due.append(heapq.heappop(self._wakes))
+        return due
+
+    def due(self, t_s: float) -> list[MoveCommand]:
+        """What goes to the robot by ``t_s``: new commands in the order of the score, else a repetition if due."""
+        out: list[MoveCommand] = []
+        if self._pending_s <= t_s:
+            for key in sorted(key for key, item in self._pending.items() if item.t_s <= t_s):
+                item = self._pending.pop(key)
+                if self._refusal(key):
+                    self._log(t_s, key, "ignored", item, self._refusal(key))
+                else:
+                    out.append(self._send(t_s, key, item))
+            self._pending_s = min((item.t_s for item in self._pending.values()), default=math.inf)
+        if not out and self._repeat_s <= t_s and self._current is not None:
+            out.append(self._current)
+            self._repeat_s = t_s + self._beat_s
+        return out
+
+    def _intend(self, t_s: float, item: Intention) -> None:
+        key = (item.iteration, item.ordinal)
+        refusal = self._refusal(key) or ("" if math.isfinite(item.t_s) else "no finite time")
+        if refusal:
+            self._log(t_s, key, "ignored", item, refusal)
+            return
+        action = "replaced" if key in self._pending else "scheduled"
+        self._pending[key] = item
+        self._log(t_s, key, action, item)
+
+    def _withdraw(self, t_s: float, item: Withdrawal) -> None:
+        key = (item.iteration, item.ordinal)
+        pending = self._pending.pop(key, None)
+        if pending is None:
+            self._log(t_s, key, "ignored", Intention(*key, t_s, item.why), "nothing to withdraw")
+        else:
+            self._log(t_s, key, "withdrawn", Intention(*key, pending.t_s, item.why, pending.person))
+
+    def _refusal(self, key: Key) -> str:
+        if key[1] not in self._steps or not 1 <= key[0] <= self._brief.iterations:
+            return "no such step"
+        if key in self._sent_s:
+            return "already sent"
+        return "a later step has been sent" if key < self._last else ""
+
+    def _send(self, t_s: float, key: Key, item: Intention) -> MoveCommand:
+        move = MOVES[self._steps[key[1]].kind]
+        iteration = key[0] + 1 if move is Move.TURN else key[0]
+        command = MoveCommand(
+            number=1 if self._current is None else self._current.number + 1,
+            move=move,
+            t_start_s=t_s,
+            speed_m_s=self._speed_m_s(key, move),
+            heading_rad=float(self._timetable.heading_rad(iteration)),
+            iteration=key[0],
+            ordinal=key[1],
+            why=item.why,
+        )
+        self._current = command
+        self._sent_s[key] = t_s
+        self._last = key
+        self._repeat_s = t_s + self._beat_s
+        self._log(t_s, key, "sent", item)
+        return command
+
+    def _speed_m_s(self, key: Key, move: Move) -> float:
+        """Cruise that ends a forward move at its nominal end and a backward one on the slot.
+
+        With equal limits on speeding up and slowing down a move covers speed x (time from start to stop command),
+        whatever the acceleration.
+        """
+        if move not in (Move.FORWARD, Move.BACKWARD):
+            return 0.0
+        duration = self._duration_s(key)
+        ahead = self._ahead_m(key[0])
+        speed = self._robot.cruise_m_s - ahead / duration if move is Move.FORWARD else ahead / duration
+        low, high = SPEED_M_S
+        return min(max(speed, low), high, self._robot.max_speed_m_s)
+
+    def _ahead_m(self, iteration: int) -> float:
+        """Where the robot will have come to rest, along the iteration's heading from its slot [m]."""
+        state = self._state
+        if state is None:
+            return 0.0
+        heading = self._timetable.heading_rad(iteration)
+        ahead = (state.x_m - self._slot[0]) * math.cos(heading) + (state.y_m - self._slot[1]) * math.sin(heading)
+        speed = state.step_m * self._robot.odometry_hz
+        return ahead + speed * abs(speed) / (2.0 * self._robot.acceleration_m_s2)
+
+    def _duration_s(self, key: Key) -> float:
+        """Expected time from this step's command to the next one's: the last iteration's, else the score's."""
+        iteration, ordinal = key
+        here, then = self._steps[ordinal], self._steps.get(ordinal + 1)
+        nominal = (then.beat - here.beat) * self._brief.beat_s if then is not None else SHORTEST_S
+        start, stop = self._sent_s.get((iteration - 1, ordinal)), self._sent_s.get((iteration - 1, ordinal + 1))
+        expected = stop - start if start is not None and stop is not None else nominal
+        return max(SHORTEST_S, min(expected, 2.0 * nominal))
+
+    def _log(self, t_s: float, key: Key, action: str, item: Intention, refusal: str = "") -> None:
+        step = self._steps.get(key[1])
+        kind = step.kind if step is not None else Kind.TURN
+        why = f"{refusal}: {item.why}" if refusal else item.why
+        self.decisions.append(Decision(t_s, key[0], key[1], kind, action, item.t_s, item.person, why))

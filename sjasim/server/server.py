@@ -1,0 +1,156 @@
+"""The server's ear: clocks, persons and clients behind one door, device messages in, events out."""
+
+from __future__ import annotations
+
+from ..choreography.layout import Layout
+from ..choreography.score import Timetable
+from ..config import SessionConfig
+from ..types import (
+    ClientOrder,
+    ClientStatus,
+    DeviceEvent,
+    Event,
+    Notice,
+    SyncReply,
+    SyncRequest,
+    dancer_name,
+)
+from .active import ActiveClient
+from .clock_sync import MARGIN_S, ClockSync
+from .merge import Merger
+from .persons import Persons
+
+ORDER_S = 0.5
+"""How often every client is told anew whether to watch, so that a lost order does no harm."""
+
+LATE_S = 1.0
+"""A report that seems older than this beyond its link's round trip bears a time of a clock that has jumped."""
+
+FACED = 0.5
+"""Least cosine at which a client that is not the active one counts at a hand-over: 60 degrees."""
+
+BEHIND = -0.5
+"""Cosine below which a client sees a back."""
+
+ClientMessage = DeviceEvent | ClientStatus | SyncReply
+
+
+class Server:
+    """Merges the clients into one stream of events in session time.
+
+    The active client's events count. At a hand-over those of the other client concerned count as well, if the
+    person faces it; what both report counts once, so that the overlap loses none and doubles none. A client that
+    stands in for a dead one and sees a person's back has forward and backward exchanged.
+
+    Everything is event-driven: `receive` for what arrives, `due` for what is to be sent, `next_due_s` for when to
+    ask again. ``notices`` grows by what went wrong: dead clients, jumped clocks, reports of unknown persons.
+
+    Args:
+        timetable: when the iterations are.
+        layout: where everyone stands at the start, and the sensors.
+        config: network rates.
+    """
+
+    def __init__(self, timetable: Timetable, layout: Layout, config: SessionConfig) -> None:
+        group = len(layout.dancers)
+        self._active = ActiveClient(timetable, layout, group)
+        self._persons = Persons([dancer_name(index) for index in range(group)], layout.dancers)
+        self._merger = Merger(timetable)
+        self._clocks = {sensor: ClockSync() for sensor in self._active.sensors}
+        self._sync_s = 1.0 / config.network.sync_hz
+        # Spread over the interval, so that the exchanges do not queue behind one another.
+        count = len(self._clocks)
+        self._sync_due_s = {sensor: place * self._sync_s / count for place, sensor in enumerate(self._clocks)}
+        self._order_due_s = 0.0
+        self._ordered: frozenset[str] | None = None
+        self._nameless: set[tuple[str, int]] = set()
+        self.notices: list[Notice] = []
+
+    @property
+    def active(self) -> str:
+        """Sensor of the active client."""
+        return self._active.name
+
+    @property
+    def next_due_s(self) -> float:
+        """Session time at which `due` has something to do."""
+        return min(self._order_due_s, *self._sync_due_s.values())
+
+    def session_time(self, sensor: str, t_device_s: float) -> float:
+        """Session time of a sensor's device time, by the present estimate of its clock [s].
+
+        Before the first exchange nothing is known of the clock, and the device time itself is returned.
+        """
+        return self._clocks[sensor].session_time(t_device_s)
+
+    def name(self, sensor: str, person: int) -> str | None:
+        """Cast name of a sensor's person; None for somebody unknown."""
+        return self._persons.name(sensor, person)
+
+    def receive(self, t_arrival_s: float, message: ClientMessage) -> list[Event]:
+        """Take in a client's message.
+
+        Args:
+            t_arrival_s: session time of arrival.
+            message: an event, a status report or a clock exchange.
+
+        Returns:
+            the events that follow from it, at most one.
+        """
+        self.notices += self._active.heard(t_arrival_s, message.sensor)
+        if isinstance(message, DeviceEvent):
+            event = self._event(t_arrival_s, message)
+            return [] if event is None else [event]
+        if isinstance(message, SyncReply):
+            jump = self._clocks[message.sensor].add(message, t_arrival_s)
+            if jump:
+                self.notices.append(Notice(t_arrival_s, message.sensor, f"clock jumped by {jump:+.3f} s"))
+            return []
+        self._persons.update(message.sensor, self._plausible(message.sensor, message.t_device_s, t_arrival_s),
+                             message.persons)  # fmt: skip
+        self._active.report(t_arrival_s, message)
+        self.notices += self._active.choose(t_arrival_s)
+        return []
+
+    def due(self, t_s: float) -> list[SyncRequest | ClientOrder]:
+        """What is to be sent to the clients by ``t_s``: clock exchanges, and who watches."""
+        self.notices += self._active.choose(t_s)
+        out: list[SyncRequest | ClientOrder] = []
+        for sensor, due_s in self._sync_due_s.items():
+            if due_s <= t_s:
+                out.append(SyncRequest(sensor, t_s))
+                missed = int((t_s - due_s) / self._sync_s)
+                self._sync_due_s[sensor] = due_s + (missed + 1) * self._sync_s
+        watching = self._active.watching(t_s)
+        if t_s >= self._order_due_s or watching != self._ordered:
+            out += [ClientOrder(sensor, sensor in watching) for sensor in self._clocks]
+            self._order_due_s = t_s + ORDER_S
+            self._ordered = watching
+        return out
+
+    def _event(self, t_arrival_s: float, report: DeviceEvent) -> Event | None:
+        person = self._persons.name(report.sensor, report.person)
+        if person is None:
+            key = (report.sensor, report.person)
+            if key not in self._nameless:
+                self._nameless.add(key)
+                self.notices.append(Notice(t_arrival_s, report.sensor, f"event of unknown person {report.person}"))
+            return None
+        t_s = self._plausible(report.sensor, report.t_device_s, t_arrival_s)
+        facing = self._active.facing(report.sensor, report.person)
+        expected = self._active.expected(t_s)
+        if report.sensor != self._active.name and not (report.sensor in expected and facing >= FACED):
+            return None
+        mirrored = report.sensor not in expected and facing < BEHIND
+        return self._merger.merge(report, person, t_s, t_arrival_s, mirrored=mirrored)
+
+    def _plausible(self, sensor: str, t_device_s: float, t_arrival_s: float) -> float:
+        """Session time of a report; by its arrival while the clock is unknown or has visibly jumped."""
+        clock = self._clocks[sensor]
+        if not clock.locked:
+            return t_arrival_s
+        t_s = clock.session_time(t_device_s)
+        delay_s = clock.round_trip_s
+        if t_s > t_arrival_s + delay_s / 2 + MARGIN_S or t_s < t_arrival_s - delay_s - LATE_S:
+            return t_arrival_s - delay_s / 2
+        return t_s

@@ -1,0 +1,224 @@
+"""The conductor: one dance session, the only place that sees the whole circle.
+
+World -> uplinks -> server -> method -> dispatcher -> downlinks -> world again, each at the instant it is due.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from importlib.metadata import PackageNotFoundError, version
+
+from .anticipation.method import Method, build
+from .choreography.layout import layout
+from .choreography.timetable import timetable
+from .clock import stream
+from .config import SessionConfig
+from .config_io import to_plain
+from .link import Link, LinkQuality
+from .server.dispatch import Dispatcher
+from .server.server import Server
+from .types import (
+    ROBOT,
+    Answer,
+    Brief,
+    ClientStatus,
+    DeviceEvent,
+    Event,
+    MoveCommand,
+    RobotState,
+    SessionLog,
+    SyncReply,
+    dancer_name,
+)
+from .worlds import Inward, Outward, PhysicsWorld
+
+HUMANS_ONLY = "none"
+"""The method of a session without a robot."""
+_PACKAGES = ("sjasim", "mujoco", "numpy", "scipy", "numba", "gymnasium", "rerun-sdk", "dm-control", "pyarrow")
+
+
+class Session:
+    """One dance, ready to run. Whoever steps it decides how far at a time.
+
+    Args:
+        config: everything about the session.
+
+    Raises:
+        SjasimError: a name is unknown, an option is not allowed, or the layout does not fit the sensors.
+    """
+
+    def __init__(self, config: SessionConfig) -> None:
+        self._started = time.process_time(), time.perf_counter()
+        self.config = config
+        self.timetable = timetable(config)
+        self.layout = layout(config.layout, config.group, config.room, config.sensors)
+        robot = config.method != HUMANS_ONLY
+        self.method: Method | None = build(config.method, config.method_options) if robot else None
+        self.brief = _brief(self)
+        self.server = Server(self.timetable, self.layout, config)
+        self.dispatcher = Dispatcher(
+            self.brief, self.timetable, self.layout, config.robot, config.network.heartbeat_hz
+        )
+        self.world = PhysicsWorld(config, self.timetable, self.layout, robot=robot)
+        if self.method is not None:
+            self.method.reset(self.brief, stream(config.seed, "anticipation", config.method))
+        self._open_links([mount.name for mount in self.layout.mounts])
+        self._inputs: list[Inward] = []
+        self._boundaries = _boundaries(self)
+        self.events: list[Event] = []
+        self.commands: list[MoveCommand] = []
+        self.device_events: list[tuple[DeviceEvent, float]] = []
+        self.end_s = self.world.end_s
+
+    def _open_links(self, sensors: Sequence[str]) -> None:
+        network = self.config.network
+        down = LinkQuality(network.latency_s, network.jitter_s, network.loss)
+        up = LinkQuality(network.latency_s + network.uplink_extra_s, network.jitter_s, network.loss)
+        names = (*sensors, ROBOT)
+        self._up: dict[str, Link[Outward]] = {
+            name: Link(up, stream(self.config.seed, "link", name, "up")) for name in names
+        }
+        self._down: dict[str, Link[Inward]] = {
+            name: Link(down, stream(self.config.seed, "link", name, "down")) for name in names
+        }
+        self._links = (*self._up.values(), *self._down.values())
+
+    @property
+    def time_s(self) -> float:
+        """Session time that has been reached [s]."""
+        return self.world.time_s
+
+    def advance(self, until_s: float) -> None:
+        """Go on until a session time, instant by instant."""
+        while self.time_s < until_s - 1e-9:
+            due = min(
+                until_s,
+                self.server.next_due_s,
+                self.dispatcher.next_due_s,
+                self._boundaries[0][0] if self._boundaries else until_s,
+                min(link.next_arrival_s for link in self._links),
+            )
+            outputs = self.world.advance(due, self._inputs)
+            now = self.time_s
+            for output in outputs:
+                self._send_up(now, output)
+            self._receive(now)
+            self._conduct(now)
+            self._inputs = [message for link in self._down.values() for _, message in link.receive(now)]
+
+    def _send_up(self, now: float, output: Outward) -> None:
+        if isinstance(output, DeviceEvent):
+            self.device_events.append((output, now))
+        sender = ROBOT if isinstance(output, RobotState) else output.sensor
+        self._up[sender].send(now, output)
+
+    def _receive(self, now: float) -> None:
+        arrived = [parcel for link in self._up.values() for parcel in link.receive(now)]
+        for t_arrival_s, message in sorted(arrived, key=lambda parcel: parcel[0]):
+            if isinstance(message, RobotState):
+                self.dispatcher.robot(message)
+            else:
+                self._tell(t_arrival_s, message)
+
+    def _tell(self, t_arrival_s: float, message: DeviceEvent | ClientStatus | SyncReply) -> None:
+        for event in self.server.receive(t_arrival_s, message):
+            self.events.append(event)
+            if self.method is not None:
+                self._answer(t_arrival_s, self.method.on_event(event))
+
+    def _answer(self, now: float, answers: Sequence[Answer]) -> None:
+        self.dispatcher.answer(now, answers)
+
+    def _conduct(self, now: float) -> None:
+        """Boundaries, timers and everything the server has to send."""
+        while self._boundaries and self._boundaries[0][0] <= now:
+            t_s, iteration, starts = self._boundaries.pop(0)
+            if self.method is not None:
+                hook = self.method.on_iteration_start if starts else self.method.on_iteration_end
+                self._answer(now, hook(iteration, t_s))
+        for order in self.server.due(now):
+            self._down[order.sensor].send(now, order)
+        if self.method is not None:
+            for wake_s in self.dispatcher.wakes_due(now):
+                self._answer(now, self.method.on_wake(wake_s))
+            for command in self.dispatcher.due(now):
+                if not self.commands or command.number != self.commands[-1].number:
+                    self.commands.append(command)
+                self._down[ROBOT].send(now, command)
+
+    def log(self) -> SessionLog:
+        """Everything that has happened so far."""
+        cpu, wall = self._started
+        world = self.world
+        notices = sorted([*world.notices, *self.server.notices], key=lambda notice: notice.t_s)
+        return SessionLog(
+            config=to_plain(self.config),
+            versions=versions(),
+            cues=tuple(world.cues),
+            device_events=tuple(self.device_events),
+            events=tuple(self.events),
+            commands=tuple(self.commands),
+            decisions=tuple(self.dispatcher.decisions),
+            robot_events=tuple(world.robot_events),
+            notices=tuple(notices),
+            odometry=world.ledger.odometry(),
+            truth=world.ledger.truth(),
+            joints=world.ledger.joints(),
+            cost={
+                "sim_s": self.time_s,
+                "cpu_s": time.process_time() - cpu,
+                "wall_s": time.perf_counter() - wall,
+            },
+        )
+
+
+def run_session(config: SessionConfig, progress: Callable[[float], None] | None = None) -> SessionLog:
+    """Dance one session from beginning to end.
+
+    Args:
+        config: everything about the session.
+        progress: called with the share that is done, 0 to 1, about once per simulated second.
+
+    Returns:
+        what was planned, seen, decided and done.
+    """
+    session = Session(config)
+    while session.time_s < session.end_s - 1e-9:
+        session.advance(min(session.time_s + 1.0, session.end_s))
+        if progress is not None:
+            progress(session.time_s / session.end_s)
+    return session.log()
+
+
+def versions() -> dict[str, str]:
+    """Versions of the packages that a session's outcome depends on; those not installed are left out."""
+    found: dict[str, str] = {}
+    for name in _PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def _brief(session: Session) -> Brief:
+    table, config = session.timetable, session.config
+    iterations = range(config.iterations + 1)
+    return Brief(
+        cast=tuple(dancer_name(index) for index in range(config.group)),
+        steps=table.choreography.steps(),
+        iterations=config.iterations,
+        beat_s=60.0 / config.dance.bpm,
+        iteration_start_s=tuple(table.start_s(iteration) for iteration in iterations),
+        window_end_s=tuple(table.close_s(iteration) for iteration in iterations),
+    )
+
+
+def _boundaries(session: Session) -> list[tuple[float, int, bool]]:
+    """(time, iteration, whether it starts) of every iteration's beat 0 and window's end, in order of time."""
+    table = session.timetable
+    iterations = range(table.first, table.last + 1)
+    marks = [(table.start_s(k), k, True) for k in iterations] + [(table.close_s(k), k, False) for k in iterations]
+    return sorted(marks)
+

@@ -1,0 +1,309 @@
+"""Worlds: what stands between the methods' commands and the events they are told of.
+
+`PhysicsWorld` holds people's timing and motion, the stage, the robot's executor and the sensors' clients, and fires
+each on its own rate. A world emits messages and takes messages; links and server lie outside.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from .assets.names import CARDINALS
+from .choreography.layout import Layout
+from .choreography.score import Timetable
+from .clock import DeviceClock, Task, stream
+from .config import FaultConfig, SessionConfig
+from .humans.anatomy import Build, anatomy
+from .humans.balance import Balance
+from .humans.motion import Planner
+from .humans.reference import Reference
+from .humans.timing import EnsembleTiming, preset
+from .ledger import Ledger
+from .registry import resolve
+from .robot.executor import Executor
+from .robot.odometry import Odometry, RobotEventDetector
+from .sensors.client import Client
+from .stage import Stage
+from .types import (
+    ROBOT,
+    AgentEvent,
+    ClientOrder,
+    ClientStatus,
+    Cue,
+    DeviceEvent,
+    Kind,
+    MoveCommand,
+    Notice,
+    RobotState,
+    SyncReply,
+    SyncRequest,
+    WheelCommand,
+    dancer_name,
+)
+
+Inward = MoveCommand | SyncRequest | ClientOrder
+"""What arrives at a world's devices."""
+Outward = DeviceEvent | ClientStatus | SyncReply | RobotState
+"""What a world's devices send."""
+
+FALLEN_SHARE = 0.65
+"""A dancer whose pelvis is below this share of its standing height has fallen."""
+STATE_HZ = 10
+"""How often the robot reports its state to the server."""
+
+
+class World(Protocol):
+    """The part of a session that methods never see."""
+
+    @property
+    def time_s(self) -> float:
+        """Session time that has been reached [s]."""
+        ...
+
+    def advance(self, until_s: float, inputs: Sequence[Inward]) -> list[Outward]:
+        """Deliver inputs now, then advance to ``until_s`` or to the first instant at which something is sent."""
+        ...
+
+
+class PhysicsWorld:
+    """Dancers, robot and sensors in MuJoCo.
+
+    Args:
+        config: the session.
+        timetable: the dance on the session's clock.
+        layout: where everyone stands.
+        robot: whether there is one.
+    """
+
+    def __init__(self, config: SessionConfig, timetable: Timetable, layout: Layout, *, robot: bool) -> None:
+        self._config = config
+        self._timetable = timetable
+        self.end_s = timetable.end_s() + config.dance.tail_s
+        self.notices: list[Notice] = []
+        self.cues: list[Cue] = []
+        self.robot_events: list[AgentEvent] = []
+        self._faults = config.faults
+        self._dance(config, timetable, layout, robot)
+        self._equip(config, layout, robot)
+        self.ledger = Ledger(self.stage, self.end_s, config)
+        self._outbox: list[Outward] = []
+        self._next_iteration = timetable.first
+        self._plan()
+
+    def _dance(self, config: SessionConfig, timetable: Timetable, layout: Layout, robot: bool) -> None:
+        heading = timetable.heading_rad(timetable.first)
+        rate = config.stage.balance_hz
+        builds = [_person(config, index) for index in range(config.group)]
+        self._anatomies = [anatomy(build) for build in builds]
+        reference = Reference.empty(config.group, math.ceil((self.end_s + 1.0) * rate) + 1)
+        turn = timetable.choreography.turn_rad
+        self._planners = [
+            Planner(body, layout.dancers[index], heading, config.room.move_m, turn, rate, reference.of(index))
+            for index, body in enumerate(self._anatomies)
+        ]
+        self.stage = Stage(
+            self._anatomies, layout, (heading, timetable.heading_rad(1)), reference.joints[:, 0],
+            reference.pelvis[:, 0], config.stage, config.body, config.robot if robot else None,
+        )  # fmt: skip
+        omega = np.array([planner.omega for planner in self._planners])
+        self._balance = Balance(reference, omega, rate, self.stage.servos)
+        self._timing = EnsembleTiming(
+            preset(config.humans),
+            timetable,
+            config.group,
+            stream(config.seed, "humans", "group"),
+            stream(config.seed, "humans", "performance", config.performance or config.method),
+        )
+        self._busy_s = np.zeros(config.group)
+        self._fallen = np.zeros(config.group, dtype=bool)
+        self._fall_m = FALLEN_SHARE * np.array([body.standing_m for body in self._anatomies])
+
+    def _equip(self, config: SessionConfig, layout: Layout, robot: bool) -> None:
+        ticks = self.stage.ticks
+        self._clients = {mount.name: self._client(config, layout, index) for index, mount in enumerate(layout.mounts)}
+        self._balance_task = Task(ticks, config.stage.balance_hz)
+        self._frame_task = Task(ticks, config.sensors.rate_hz)
+        self._robot_task = Task(ticks, config.robot.odometry_hz)
+        self._state_task = Task(ticks, STATE_HZ)
+        self._has_robot = robot
+        self._blocked_from_s = min(
+            (fault.t_s for fault in config.faults if fault.kind == "robot_blocked"), default=math.inf
+        )
+        self._blocked = False
+        if robot:
+            pose = (*(float(value) for value in layout.robot), self._timetable.heading_rad(1))
+            self._odometry = Odometry(config.robot, pose, stream(config.seed, "robot", "gyro"))
+            self._robot_detector = RobotEventDetector(config.robot)
+            self._executor = Executor(config.robot)
+
+    def _client(self, config: SessionConfig, layout: Layout, index: int) -> Client:
+        mount = layout.mounts[index]
+        rng = stream(config.seed, "clock", mount.name)
+        faults = {fault.kind: fault for fault in config.faults if fault.target == mount.name}
+        jump = faults.get("clock_jump", FaultConfig("clock_jump", mount.name, 1e5))
+        clock = DeviceClock(
+            offset_s=rng.uniform(-1, 1) * config.clocks.offset_s,
+            drift=rng.uniform(-1, 1) * config.clocks.drift,
+            jump_at_s=jump.t_s,
+            jump_s=jump.value,
+        )
+        sensing = resolve("sensing", config.sensing).factory(
+            mount, config.sensors, config.group, stream(config.seed, "sensors", config.sensing, mount.name)
+        )
+        dead_from_s = faults["dead_sensor"].t_s if "dead_sensor" in faults else math.inf
+        return Client(mount, sensing, config.detectors, config.sensors, clock, dead_from_s=dead_from_s)
+
+    @property
+    def time_s(self) -> float:
+        """Session time that has been reached [s]."""
+        return self.stage.time_s
+
+    def advance(self, until_s: float, inputs: Sequence[Inward]) -> list[Outward]:
+        """See `World`; instants between two ticks count as the later one."""
+        self._outbox = []
+        now = self.time_s
+        for message in inputs:
+            if isinstance(message, MoveCommand):
+                self._executor.receive(now, message)
+            else:
+                reply = self._clients[message.sensor].receive(now, message)
+                if reply is not None:
+                    self._outbox.append(reply)
+        goal = self.stage.ticks.at_or_after(until_s)
+        while self.stage.tick < goal and not self._outbox:
+            self._fire()
+            if self._outbox:
+                break
+            due = min(self._balance_task.due, self._frame_task.due, self._robot_task.due, goal)
+            self.stage.step_to(due)
+        return self._outbox
+
+    def _fire(self) -> None:
+        """Do everything that is due at this tick, before the physics goes on."""
+        tick = self.stage.tick
+        now = self.time_s
+        if tick == self._robot_task.due:
+            self._drive(now)
+            self._robot_task.advance()
+        if tick == self._frame_task.due:
+            self._look(now)
+            self._frame_task.advance()
+        if tick == self._balance_task.due:
+            self._move(now)
+            self._balance_task.advance()
+
+    def _drive(self, now: float) -> None:
+        self.ledger.feel(self.stage)
+        if not self._has_robot:
+            return
+        state = self._odometry.update(now, self.stage.wheels())
+        event = self._robot_detector.update(state)
+        if event is not None:
+            iteration = self._timetable.iteration_at(event[1])
+            self.robot_events.append(AgentEvent(iteration, ROBOT, event[0], event[1]))
+        command = self._executor.update(state)
+        if now >= self._blocked_from_s:
+            command = WheelCommand(0.0, 0.0)
+        self.stage.drive(command)
+        if self._executor.blocked and not self._blocked:
+            self.notices.append(Notice(now, ROBOT, "blocked: it is commanded to move but its wheels stand still"))
+        self._blocked = self._executor.blocked
+        self.ledger.ride(state, self.stage.robot_pose())
+        if self.stage.tick >= self._state_task.due:
+            self._state_task.advance()
+            self._outbox.append(state)
+
+    def _look(self, now: float) -> None:
+        for client in self._clients.values():
+            client.capture(now, self.stage)
+            self._outbox.extend(client.outputs(now))
+        self.ledger.see(self.stage.joints_m)
+
+    def _move(self, now: float) -> None:
+        if self._next_iteration <= self._timetable.last and now >= self._timetable.close_s(self._next_iteration - 1):
+            self._plan()
+        roots = self.stage.roots()
+        down = (roots[:, 2] < self._fall_m) & ~self._fallen
+        if down.any():
+            self._fall(now, down)
+        tick = round(now * self._config.stage.balance_hz)
+        self.stage.apply(self._balance.targets(tick, self.stage.states()))
+        faced = self._clients[CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]]
+        self.ledger.write(now, roots, self.stage, faced.last_seen(now), self._fallen)
+
+    def _fall(self, now: float, down: np.ndarray) -> None:
+        self._fallen |= down
+        for index in np.flatnonzero(down):
+            self.stage.let_go(int(index))
+            self.notices.append(Notice(now, dancer_name(int(index)), "fell and dances no more"))
+
+    def _plan(self) -> None:
+        """Draw the next iteration's times and plan everybody's motion; people know it some beats ahead."""
+        now = self.time_s
+        iteration = self._next_iteration
+        self._next_iteration += 1
+        earliest = np.maximum(self._busy_s, now + 0.5)
+        drawn = self._timing.draw(iteration, self._appropriateness(iteration - 1), earliest)
+        for index, cues in enumerate(drawn):
+            if self._fallen[index]:
+                continue
+            performed = _with_faults(cues, self._faults)
+            self._planners[index].extend(performed, now)
+            self.cues.extend(performed)
+            if performed:
+                self._busy_s[index] = max(cue.t_s + cue.duration_s for cue in performed) + 0.3
+        self.cues.sort(key=lambda cue: (cue.iteration, cue.t_s))
+
+    def _appropriateness(self, iteration: int) -> float | None:
+        """The robot's mean timing error as the dancers feel it; None where it did not dance."""
+        if not self._has_robot or iteration < 1:
+            return None
+        return felt_error_s(
+            [cue for cue in self.cues if cue.iteration == iteration],
+            [event for event in self.robot_events if event.iteration == iteration],
+        )
+
+
+def felt_error_s(cues: Sequence[Cue], robot_events: Sequence[AgentEvent]) -> float | None:
+    """Mean distance from each robot event to the dancers' mean time of the nearest move of its kind [s].
+
+    None where nobody moved or the robot did not.
+    """
+    times: dict[tuple[Kind, int], list[float]] = {}
+    for cue in cues:
+        for kind, t_s in cue.events():
+            times.setdefault((kind, cue.ordinal), []).append(t_s)
+    errors = []
+    for event in robot_events:
+        kind = Kind.CLAP if event.kind is Kind.TURN else event.kind
+        means = [float(np.mean(values)) for (other, _), values in times.items() if other is kind]
+        if means:
+            errors.append(min(abs(event.t_s - mean) for mean in means))
+    return float(np.mean(errors)) if errors else None
+
+
+def _person(config: SessionConfig, index: int) -> Build:
+    """Who stands in a slot: the same under every method."""
+    rng = stream(config.seed, "humans", "person", index)
+    stature = rng.uniform(*config.body.stature_m)
+    return Build(float(stature), float(rng.uniform(*config.body.mass_kg)))
+
+
+def _with_faults(cues: tuple[Cue, ...], faults: Sequence[FaultConfig]) -> tuple[Cue, ...]:
+    """Cues as they are performed by a dancer who is made late or made to stop."""
+    out = cues
+    for fault in faults:
+        if fault.kind == "dancer_late":
+            out = tuple(cue.delayed(fault.value) if _hit(cue, fault) else cue for cue in out)
+        elif fault.kind == "dancer_stops":
+            out = tuple(cue for cue in out if not _hit(cue, fault))
+    return out
+
+
+def _hit(cue: Cue, fault: FaultConfig) -> bool:
+    return cue.dancer == fault.target and cue.t_s >= fault.t_s
+
