@@ -7,12 +7,12 @@ each on its own rate. A world emits messages and takes messages; links and serve
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Callable, Sequence
+from typing import Protocol, cast
 
 import numpy as np
 
-from .assets.names import CARDINALS
+from .assets.names import CARDINALS, JOINT_INDEX
 from .choreography.layout import Layout
 from .choreography.score import Timetable
 from .clock import DeviceClock, Task, stream
@@ -26,11 +26,12 @@ from .ledger import Ledger
 from .registry import resolve
 from .robot.executor import Executor
 from .robot.odometry import Odometry, RobotEventDetector
-from .sensors.client import Client
+from .sensors.client import Client, Sensing
 from .stage import Stage
 from .types import (
     ROBOT,
     AgentEvent,
+    Array,
     ClientOrder,
     ClientStatus,
     Cue,
@@ -50,6 +51,8 @@ Inward = MoveCommand | SyncRequest | ClientOrder
 Outward = DeviceEvent | ClientStatus | SyncReply | RobotState
 """What a world's devices send."""
 
+_TORSO = [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "ShoulderLeft", "ShoulderRight")]
+_HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "WristRight")]
 FALLEN_SHARE = 0.65
 """A dancer whose pelvis is below this share of its standing height has fallen."""
 STATE_HZ = 10
@@ -124,6 +127,7 @@ class PhysicsWorld:
 
     def _equip(self, config: SessionConfig, layout: Layout, robot: bool) -> None:
         ticks = self.stage.ticks
+        self._sensing: dict[str, Sensing] = {}
         self._clients = {mount.name: self._client(config, layout, index) for index, mount in enumerate(layout.mounts)}
         self._balance_task = Task(ticks, config.stage.balance_hz)
         self._frame_task = Task(ticks, config.sensors.rate_hz)
@@ -151,9 +155,9 @@ class PhysicsWorld:
             jump_at_s=jump.t_s,
             jump_s=jump.value,
         )
-        sensing = resolve("sensing", config.sensing).factory(
-            mount, config.sensors, config.group, stream(config.seed, "sensors", config.sensing, mount.name)
-        )
+        factory = cast("Callable[..., Sensing]", resolve("sensing", config.sensing).factory)
+        rng = stream(config.seed, "sensors", config.sensing, mount.name)
+        sensing = self._sensing[mount.name] = factory(mount, config.sensors, config.group, rng)
         dead_from_s = faults["dead_sensor"].t_s if "dead_sensor" in faults else math.inf
         return Client(mount, sensing, config.detectors, config.sensors, clock, dead_from_s=dead_from_s)
 
@@ -174,6 +178,8 @@ class PhysicsWorld:
                 if reply is not None:
                     self._outbox.append(reply)
         goal = self.stage.ticks.at_or_after(until_s)
+        if until_s > now:  # whatever rounding says, time goes on
+            goal = max(goal, self.stage.tick + 1)
         while self.stage.tick < goal and not self._outbox:
             self._fire()
             if self._outbox:
@@ -232,8 +238,17 @@ class PhysicsWorld:
             self._fall(now, down)
         tick = round(now * self._config.stage.balance_hz)
         self.stage.apply(self._balance.targets(tick, self.stage.states()))
-        faced = self._clients[CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]]
-        self.ledger.write(now, roots, self.stage, faced.last_seen(now), self._fallen)
+        self.ledger.write(now, roots, self.stage, self._seen(now), self._fallen)
+
+    def _seen(self, now: float) -> Array:
+        """(D, 2) shares of torso and hands that the sensor which is faced could see; NaN if it does not watch."""
+        name = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
+        seen = np.full((self._config.group, 2), np.nan)
+        if self._clients[name].watches(now):
+            sensing = self._sensing[name]
+            seen[sensing.dancers, 0] = sensing.visible[:, _TORSO].mean(axis=1)
+            seen[sensing.dancers, 1] = sensing.visible[:, _HANDS].mean(axis=1)
+        return seen
 
     def _fall(self, now: float, down: np.ndarray) -> None:
         self._fallen |= down

@@ -42,14 +42,28 @@ class Togetherness:
     ta_s: Array
 
 
-def follower_from(config: SessionConfig) -> int | None:
-    """First iteration in which the robot follows one dancer; None if it never does.
+@dataclass(frozen=True, slots=True)
+class Following:
+    """Whom a method follows, as far as its options say.
 
-    SIA alone follows one; every other method is taken to use all dancers.
+    Attributes:
+        since: first iteration in which it follows the most synchronous person; None if it never does.
+        nobody_before: whether its robot has no outgoing edges before that, or else all.
+        tau_s: window of the synchrony measure that chooses the person.
     """
+
+    since: int | None
+    nobody_before: bool
+    tau_s: float
+
+
+def following(config: SessionConfig) -> Following:
+    """SIA alone follows one dancer; every other method is taken to use all of them."""
+    options = config.method_options
     if config.method != "sia":
-        return None
-    return int(config.method_options.get("effective_from", 2))
+        return Following(None, False, config.synchrony.tau_s)
+    since, tau_s = int(options.get("effective_from", 2)), float(options.get("tau_s", 0.25))
+    return Following(since, options.get("edges", "none") == "none", tau_s)
 
 
 def together(events: Events, config: SessionConfig, timetable: Timetable) -> list[Togetherness]:
@@ -64,21 +78,23 @@ def together(events: Events, config: SessionConfig, timetable: Timetable) -> lis
     cast = [dancer_name(index) for index in range(config.group)]
     agents = cast if config.method == "none" else [*cast, ROBOT]
     tau, one_to_one = config.synchrony.tau_s, config.synchrony.one_to_one
-    since, before = follower_from(config), None
+    rule = following(config)
+    chosen, before = cast[0], None
     rows: list[Togetherness] = []
     for iteration in range(timetable.first, timetable.last + 1):
         series = _series(events, agents, iteration, timetable.start_s(iteration))
         dancers = {name: series[name] for name in cast}
-        chosen = before if since is not None and iteration >= since else None
+        msp = most_synchronous(dancers, before, rule.tau_s).person
         if iteration >= 1:
-            follows: list[str] | None = None if since is None else ([] if chosen is None else [chosen])
-            paper = group_index(series, "paper", follows, tau, one_to_one).gsi
-            full = group_index(series, "full", None, tau, one_to_one).gsi
+            leader = chosen if rule.since is not None and iteration >= rule.since else ""
+            follows = [leader] if leader else ([] if rule.nobody_before else None)
+            paper = group_index(series, "paper", follows=follows, tau=tau, one_to_one=one_to_one).gsi
+            full = group_index(series, "full", tau=tau, one_to_one=one_to_one).gsi
             steps = _steps(series, timetable, iteration)
             ta_s = np.zeros(0) if config.method == "none" else timing_appropriateness(steps[-1], steps[:-1])
-            msp = most_synchronous(dancers, before, tau, one_to_one).person
-            rows.append(Togetherness(iteration, paper, full, msp, chosen or "", steps, ta_s))
-        before = most_synchronous(dancers, before, tau, one_to_one).person
+            rows.append(Togetherness(iteration, paper, full, msp, leader, steps, ta_s))
+        chosen = msp
+        before = msp if any(len(kinds) for _, kinds in dancers.values()) else before
     return rows
 
 

@@ -33,7 +33,14 @@ _ROUNDING_S = 1e-9
 
 
 class Sensing(Protocol):
-    """A way to get skeletons from the stage, such as `joints.JointsSensing`."""
+    """A way to get skeletons from the stage, such as `joints.JointsSensing`.
+
+    ``dancers`` (P,) and ``visible`` (P, 25), who is behind each row and what the last frame could see, are for the
+    record only; no client reads them.
+    """
+
+    dancers: IntArray
+    visible: BoolArray
 
     def sample(self, view: StageView) -> Skeletons | None:
         """See the stage at this instant; None if the frame was lost."""
@@ -101,6 +108,10 @@ class Client:
     def next_output_s(self) -> float:
         """Session time at which the next frame will have been processed; infinite when none is under way."""
         return self._pending[0].t_s + self._latency_s if self._pending else math.inf
+
+    def watches(self, t_s: float) -> bool:
+        """Whether it is told to watch and alive."""
+        return self.watching and t_s < self._dead_from_s
 
     def capture(self, t_s: float, view: StageView) -> None:
         """A frame tick: take the frame, if it is wanted.

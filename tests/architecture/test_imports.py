@@ -15,7 +15,7 @@ LEVELS = {
     **dict.fromkeys(("config", "config_io"), 2),
     **dict.fromkeys(("choreography", "assets"), 3),
     **dict.fromkeys(("humans", "robot", "sensors", "server", "anticipation", "record"), 4),
-    **dict.fromkeys(("stage", "render", "worlds", "analysis"), 5),
+    **dict.fromkeys(("stage", "ledger", "render", "worlds", "analysis"), 5),
     "session": 6,
 }
 """Room -> level; every other top-level module is a command line or a study, at level 7."""
@@ -26,12 +26,12 @@ SAME_LEVEL = {
     ("errors", "types"), ("types", "errors"),
     ("config_io", "config"),
     ("choreography", "assets"),
-    ("render", "stage"), ("worlds", "stage"),
+    ("render", "stage"), ("ledger", "stage"), ("worlds", "stage"), ("worlds", "ledger"),
 }  # fmt: skip
 """(room, room of the same level that it may import)."""
 
 ONLY = {
-    "stage": {"humans": {"humans.body"}, "robot": {"robot.body"}},
+    "stage": {"humans": {"humans.body", "humans.anatomy"}, "robot": {"robot.body"}},
     "analysis": {
         "anticipation": {"anticipation.synchrony", "anticipation.appropriateness"},
         "record": None,

@@ -1,0 +1,157 @@
+"""``python -m sjasim.benchmark``: what a session costs, against the raw physics of the same scene."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from . import cli
+from .config import SessionConfig
+
+ABOUT = "Performance figures of one session; a figure whose room does not exist yet is null."
+
+FIGURES = (
+    "raw_physics_sim_s_per_cpu_s", "session_sim_s_per_cpu_s_joints", "session_cost_ratio_joints",
+    "session_sim_s_per_cpu_s_depth", "depth_frame_cpu_s", "planning_cpu_s", "stabiliser_tick_cpu_s",
+    "env_steps_per_s", "env_ratio_to_raw", "async2_speedup", "timing_session_cpu_s", "timing_env_steps_per_s",
+    "decision_cpu_s", "logging_share", "import_s", "peak_mb",
+)  # fmt: skip
+"""Every figure, in the order of the report."""
+
+PACKAGES = ("sjasim", "numpy", "scipy", "mujoco", "gymnasium", "numba", "rerun-sdk")
+FRAME_HZ = 30
+
+
+@dataclass(frozen=True)
+class Options:
+    """Performance figures.
+
+    Attributes:
+        seed: of the session that is measured.
+        method: its anticipation method.
+        iterations: its length.
+        json: print the figures as JSON, and nothing else, on stdout.
+    """
+
+    seed: int = 0
+    method: str = "sia"
+    iterations: int = 4
+    json: bool = False
+
+
+def command(arguments: Sequence[str]) -> None:
+    """Measure and print."""
+    options = cli.parse(Options, arguments, Options(), "python -m sjasim.benchmark", ABOUT)
+    from .session import profile
+
+    sys.stderr.write("measuring one session and its raw physics ...\n")
+    config = SessionConfig(method=options.method, seed=options.seed, iterations=options.iterations)
+    report = {
+        "schema": 1,
+        "command": f"python -m sjasim.benchmark {' '.join(arguments)}".rstrip(),
+        "machine": machine(),
+        "versions": versions(),
+        **results(profile(config), import_s()),
+    }
+    if options.json:
+        sys.stdout.write(json.dumps(report, indent=1, allow_nan=False) + "\n")
+    else:
+        show(report, Console())
+
+
+def results(profile: Mapping[str, Any], import_time_s: float) -> dict[str, Any]:
+    """Figures from what a profiled session hands over.
+
+    Args:
+        profile: ``sim_s``; ``cpu_s`` of the session; ``raw_cpu_s`` of its recorded controls replayed through the
+            bare physics of the same scene; ``room_cpu_s`` by room (``physics``, ``planning``, ``stabiliser``,
+            ``sensing``, ``server``, ``decision``, ``logging``, ...); ``stabiliser_ticks``; ``decisions``, how
+            often a method was called; ``peak_mb``. Absent ones make null figures.
+        import_time_s: time of ``import sjasim`` [s].
+
+    Returns:
+        ``figures`` and ``room_ms_per_frame``: milliseconds of CPU time per 30 Hz tick, by room.
+    """
+    sim_s, cpu_s, raw_s = (profile.get(key) for key in ("sim_s", "cpu_s", "raw_cpu_s"))
+    rooms = profile.get("room_cpu_s", {})
+    figures: dict[str, float | None] = dict.fromkeys(FIGURES)
+    figures |= {
+        "raw_physics_sim_s_per_cpu_s": _ratio(sim_s, raw_s),
+        "session_sim_s_per_cpu_s_joints": _ratio(sim_s, cpu_s),
+        "session_cost_ratio_joints": _ratio(cpu_s, raw_s),
+        "planning_cpu_s": _ratio(rooms.get("planning"), sim_s),
+        "stabiliser_tick_cpu_s": _ratio(rooms.get("stabiliser"), profile.get("stabiliser_ticks")),
+        "decision_cpu_s": _ratio(rooms.get("decision"), profile.get("decisions")),
+        "logging_share": _ratio(rooms.get("logging"), cpu_s),
+        "import_s": import_time_s,
+        "peak_mb": profile.get("peak_mb"),
+    }
+    frames = None if sim_s is None else sim_s * FRAME_HZ / 1000
+    return {"figures": figures, "room_ms_per_frame": {room: _ratio(spent, frames) for room, spent in rooms.items()}}
+
+
+def import_s(times: int = 3) -> float:
+    """Fastest of some ``import sjasim`` in processes of their own [s]."""
+    probe = "import time; t = time.perf_counter(); import sjasim; print(time.perf_counter() - t)"
+    runs = [subprocess.run([sys.executable, "-c", probe], capture_output=True, check=True) for _ in range(times)]
+    return min(float(run.stdout) for run in runs)
+
+
+def machine() -> dict[str, object]:
+    """What the figures were measured on."""
+    return {
+        "system": platform.platform(),
+        "processor": _processor() or platform.processor() or platform.machine(),
+        "cores": os.cpu_count(),
+        "python": platform.python_version(),
+    }
+
+
+def versions() -> dict[str, str | None]:
+    """Versions of the packages that the figures depend on."""
+    found: dict[str, str | None] = {}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = None
+    return found
+
+
+def show(report: Mapping[str, Any], console: Console) -> None:
+    """Print the figures for people."""
+    table = Table(title=f"{report['machine']['processor']}, {report['machine']['cores']} cores")
+    table.add_column("figure")
+    table.add_column("value", justify="right")
+    rooms = {f"{room} [ms per 30 Hz tick]": value for room, value in report["room_ms_per_frame"].items()}
+    for name, value in {**report["figures"], **rooms}.items():
+        table.add_row(name, "-" if value is None else f"{value:.4g}")
+    console.print(table)
+
+
+def _processor() -> str:
+    """The processor's name where Linux tells it."""
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as lines:
+            named = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    except OSError:
+        return ""
+    return named[0] if named else ""
+
+
+def _ratio(part: float | None, whole: float | None) -> float | None:
+    return part / whole if part is not None and whole else None
+
+
+if __name__ == "__main__":
+    sys.exit(cli.main(command))

@@ -1,0 +1,97 @@
+"""What every command line shares: arguments from a dataclass, a configuration file beneath them, exit codes."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import sys
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+import tyro
+
+from .config import SessionConfig
+from .config_io import read_toml
+from .errors import SjasimError
+
+T = TypeVar("T")
+
+DONE, BAD_INPUT, INTERRUPTED = 0, 2, 130
+
+
+class UsageError(SjasimError):
+    """The command line's arguments cannot be understood."""
+
+
+def main(command: Callable[[Sequence[str]], None], arguments: Sequence[str] | None = None) -> int:
+    """Run a command and turn its end into an exit code.
+
+    Args:
+        command: takes the arguments; returns when it is done.
+        arguments: the command line without the program's name; that of the process if None.
+
+    Returns:
+        0 when done, 2 after one line on stderr when the input was bad, 130 on Ctrl-C.
+    """
+    try:
+        command(list(sys.argv[1:] if arguments is None else arguments))
+    except SjasimError as error:
+        sys.stderr.write(f"error: {' '.join(str(error).split())}\n")
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        sys.stderr.write("interrupted\n")
+        return INTERRUPTED
+    return DONE
+
+
+def parse(options: type[T], arguments: Sequence[str], default: T, program: str, about: str) -> T:
+    """Read arguments into a dataclass of options; ``--help`` prints and exits with 0.
+
+    Args:
+        options: the dataclass.
+        arguments: the command line without the program's name.
+        default: values of what is not given.
+        program: what the user typed, for the help.
+        about: one line for the help.
+
+    Raises:
+        UsageError: an argument is unknown or malformed; one line says which.
+        ConfigError: a value is out of range.
+    """
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(said):
+            return tyro.cli(
+                options,
+                args=list(arguments),
+                default=default,
+                prog=program,
+                description=about,
+                config=(tyro.conf.FlagCreatePairsOff,),
+            )
+    except SystemExit as end:
+        if end.code in (0, None):
+            raise
+        raise UsageError(f"{_one_line(said.getvalue())} (see {program} --help)") from None
+
+
+def config_from(arguments: Sequence[str]) -> SessionConfig:
+    """The configuration that ``--config FILE.toml`` names, which flags then override; the defaults without one.
+
+    Raises:
+        ConfigError: the file cannot be read or holds a wrong field.
+    """
+    for index, word in enumerate(arguments):
+        flag, equals, value = word.partition("=")
+        if flag == "--config" and (equals or index + 1 < len(arguments)):
+            return read_toml(value if equals else arguments[index + 1])
+    return SessionConfig()
+
+
+def _one_line(text: str) -> str:
+    """An error box as one line: without its frame, title, rules, and what it says of the option at large."""
+    lines = [line for line in text.splitlines() if not line.startswith("╭")]
+    words = " ".join(re.sub(r"[─│╰╯]+", " ", line) for line in lines if "--help" not in line).split()
+    said = " ".join(words).partition(" Argument helptext:")[0]
+    return said or "these arguments are not understood"

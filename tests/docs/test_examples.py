@@ -1,0 +1,54 @@
+"""The README's example is a method: it keeps the contract and commands every step that its dancer dances."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sjasim.anticipation import method
+from sjasim.choreography.timetable import timetable
+from sjasim.config_io import from_plain
+from sjasim.types import Brief, Intention
+
+from ..analysis.synthetic import session
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def brief_and_log():
+    log = session(iterations=2, joints=False)
+    table = timetable(from_plain(log.config))
+    numbers = range(3)
+    brief = Brief(
+        cast=("dancer_1", "dancer_2", "dancer_3"),
+        steps=table.choreography.steps(),
+        iterations=2,
+        beat_s=60 / 118,
+        iteration_start_s=tuple(table.start_s(number) for number in numbers),
+        window_end_s=tuple(table.close_s(number) for number in numbers),
+    )
+    return brief, log
+
+
+@pytest.mark.parametrize("dancer", ["dancer_1", "dancer_3"])
+def test_the_example_commands_every_step_once_seen(brief_and_log, monkeypatch, dancer):
+    brief, log = brief_and_log
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "examples"))
+    plugin = method.build("follow_first:FollowFirst", {"dancer": dancer})
+    plugin.reset(brief, np.random.default_rng(0))
+    answers = [answer for event in sorted(log.events, key=lambda e: e.t_arrival_s) for answer in plugin.on_event(event)]
+    assert all(isinstance(answer, Intention) and answer.person == dancer for answer in answers)
+    assert [(answer.iteration, answer.ordinal) for answer in answers] == [(i, k) for i in (1, 2) for k in range(9)]
+    assert list(plugin.on_iteration_start(1, 0.0)) == list(plugin.on_iteration_end(1, 0.0)) == []
+    assert list(plugin.on_wake(0.0)) == []
+
+
+def test_the_readme_names_files_and_figures_that_exist():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    for path in re.findall(r"\]\(([\w./-]+)\)", text):
+        assert (ROOT / path).exists() or path == "docs/overview.png", path
+    for block in re.findall(r"```json\n(.*?)```", text, re.S):
+        json.loads(block)

@@ -1,0 +1,127 @@
+"""The command line: one table or one JSON, one clear line for bad input, and the exit codes."""
+
+import json
+import sys
+import types
+
+import pytest
+
+from sjasim import benchmark, cli, run
+from sjasim.config import SessionConfig
+from sjasim.config_io import from_plain, to_toml
+
+from .analysis.synthetic import session
+
+
+@pytest.fixture
+def danced(monkeypatch):
+    """Sessions made by formula stand in for danced ones; the configurations that were asked for."""
+    asked = []
+
+    def run_session(config, progress=None):
+        asked.append(config)
+        progress(0.5)
+        robot = config.method != "none"
+        return session(config.method, config.seed, config.iterations, robot=robot, joints=False)
+
+    fake = types.ModuleType("sjasim.session")
+    fake.run_session = run_session
+    fake.profile = lambda config: {"sim_s": 90.0, "cpu_s": 4.5, "raw_cpu_s": 3.0, "room_cpu_s": {"planning": 0.09}}
+    monkeypatch.setitem(sys.modules, "sjasim.session", fake)
+    return asked
+
+
+def call(*arguments):
+    return cli.main(run.command, arguments)
+
+
+def test_a_table_by_default(danced, capsys):
+    assert call("--method", "eca", "--iterations", "2") == 0
+    out = capsys.readouterr().out
+    assert "GSI" in out
+    assert "detectors: recall 1.000" in out
+    assert "notice at 3.0 s: west: no message for 2.0 s" in out
+    assert max(len(line) for line in out.splitlines()) <= 80 or "notice" in out
+    assert danced == [SessionConfig(method="eca", iterations=2)]
+
+
+def test_humans_only_shows_no_robot(danced, capsys):
+    assert call("--method", "none", "--iterations", "1") == 0
+    assert "robot:" not in capsys.readouterr().out
+
+
+def test_json_is_all_there_is_and_equals_the_folder(danced, capsys, tmp_path):
+    assert call("--json", "--iterations", "1", "--out", str(tmp_path / "one")) == 0
+    out = capsys.readouterr().out
+    assert json.loads(out)["schema"] == 1
+    assert (tmp_path / "one" / "session.json").read_text() == out
+    assert (tmp_path / "one" / "session.rrd").exists()
+
+
+def test_flags_override_the_file(danced, tmp_path, capsys):
+    path = tmp_path / "session.toml"
+    base = from_plain(
+        {"method": "eca", "seed": 5, "iterations": 1, "faults": [{"kind": "dead_sensor", "target": "west"}]}
+    )
+    path.write_text(to_toml(base))
+    assert call("--config", str(path), "--seed", "6", "--robot.cruise-m-s", "0.3") == 0
+    assert danced[0].seed == 6
+    assert danced[0].robot.cruise_m_s == 0.3
+    assert danced[0].faults == base.faults
+    assert call(f"--config={path}") == 0
+    assert danced[1] == base
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--method", "sai"], "sia"),
+        (["--method", "no_such_module:Class"], "no_such_module"),
+        (["--iterations", "-4"], "iterations"),
+        (["--iterations", "many"], "iterations"),
+        (["--dance.lead-in-s", "-1"], "dance.lead_in_s"),
+        (["--bogus", "1"], "--bogus"),
+        (["--config", "/no/such.toml"], "/no/such.toml"),
+        (["--out", "/proc/nowhere/x"], "/proc/nowhere/x"),
+        (["--method-options", "wndow_s", "1"], "window_s"),
+        (["--fidelity", "exact"], "physics"),
+    ],
+)
+def test_bad_input_gives_one_line_and_2(danced, capsys, arguments, says):
+    assert call(*arguments) == 2
+    heard = capsys.readouterr()
+    assert heard.out == ""
+    assert heard.err.startswith("error: ")
+    assert heard.err.count("\n") == 1
+    assert says in heard.err
+    assert danced == []
+
+
+def test_help_exits_with_0(danced, capsys):
+    with pytest.raises(SystemExit) as end:
+        call("--help")
+    assert end.value.code == 0
+    assert "--robot.cruise-m-s" in capsys.readouterr().out
+
+
+def test_ctrl_c_gives_130_and_leaves_nothing(danced, monkeypatch, tmp_path, capsys):
+    def interrupted(config, progress=None):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sys.modules["sjasim.session"], "run_session", interrupted)
+    assert call("--out", str(tmp_path / "one")) == 130
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_benchmark_names_every_figure(danced, capsys, monkeypatch):
+    monkeypatch.setattr(benchmark, "import_s", lambda: 0.1)
+    assert cli.main(benchmark.command, ["--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert set(report["figures"]) == set(benchmark.FIGURES)
+    assert report["figures"]["session_cost_ratio_joints"] == 1.5
+    assert report["figures"]["raw_physics_sim_s_per_cpu_s"] == 30.0
+    assert report["figures"]["planning_cpu_s"] == pytest.approx(0.001)
+    assert report["figures"]["env_steps_per_s"] is None
+    assert report["room_ms_per_frame"]["planning"] == pytest.approx(0.09 / 90 / 30 * 1000)
+    assert {"machine", "versions", "command"} <= set(report)
+    assert cli.main(benchmark.command, []) == 0
