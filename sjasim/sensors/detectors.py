@@ -28,8 +28,15 @@ FACING_RAD = math.radians(45.0)
 TURNING_RAD_S = 0.8
 """Yaw rate that counts as turning; walking swings the pelvis at up to half of it (assumed)."""
 
+SWAYING_RAD_S = 0.4
+"""Yaw rate above which early starts are disarmed for `SWAY_S`: dancers sway as they come out of a turn (assumed)."""
+
+SWAY_S = 1.0
+"""How long they do (assumed; the physics shows .6 s)."""
+
 CLAPPING_RATIO = 1.0
-"""Hands nearer than this many shoulder widths may be about to clap, so early events are disarmed (assumed)."""
+"""Hands nearer than this many shoulder widths may clap: early starts are disarmed until ``clap_rest_s`` after it,
+also when the clap itself stayed hidden (assumed)."""
 
 _UPPER_JOINTS = 4
 _ROUNDING_S = 1e-6
@@ -75,7 +82,7 @@ class MotionDetector:
         durations: start kind -> duration of the person's last move of that kind [s]; shared with the caller.
     """
 
-    __slots__ = ("_c", "_phase", "_run", "_since_s", "_t_early_s", "durations")
+    __slots__ = ("_c", "_phase", "_run", "_since_s", "_t_early_s", "_t_sway_s", "durations")
 
     def __init__(self, config: DetectorConfig, durations: dict[Kind, float]) -> None:
         self._c = config
@@ -85,7 +92,7 @@ class MotionDetector:
     def reset(self) -> None:
         """Forget everything but the durations; the person must be seen standing before events come."""
         self._phase = _Phase.UNSETTLED
-        self._since_s = self._t_early_s = -math.inf
+        self._since_s = self._t_early_s = self._t_sway_s = -math.inf
         self._run = 0
 
     def update(self, t_s: float, seen: Glimpse, span_s: float, busy: bool) -> tuple[Sighting | None, Sighting | None]:
@@ -110,6 +117,7 @@ class MotionDetector:
             return self._early_stop(t_s, moved_s, seen), self._stop(t_s, moved_s, seen, span_s)
         elif abs(seen.yaw_rate_rad_s) > TURNING_RAD_S:
             self._enter(_Phase.STANDING, t_s)
+            self._t_sway_s = t_s
         else:
             rested_s = t_s - self._since_s + _ROUNDING_S
             return self._early_start(t_s, rested_s, seen, busy), self._start(t_s, rested_s, seen, span_s)
@@ -129,6 +137,9 @@ class MotionDetector:
         return Sighting(_START[phase], False, t_s - span_s / 2)
 
     def _early_start(self, t_s: float, rested_s: float, seen: Glimpse, busy: bool) -> Sighting | None:
+        if abs(seen.yaw_rate_rad_s) > SWAYING_RAD_S:
+            self._t_sway_s = t_s
+        busy = busy or t_s - self._t_sway_s < SWAY_S
         if busy or min(rested_s, t_s - self._t_early_s) < self._c.early_rest_s:
             self._run = 0
             return None
@@ -174,11 +185,11 @@ class ClapDetector:
         config: ratio and rest.
     """
 
-    __slots__ = ("_apart", "_before", "_c", "_last", "_t_clap_s", "_t_last_s")
+    __slots__ = ("_apart", "_before", "_c", "_last", "_t_clap_s", "_t_last_s", "_t_near_s")
 
     def __init__(self, config: DetectorConfig) -> None:
         self._c = config
-        self._t_clap_s = -math.inf
+        self._t_clap_s = self._t_near_s = -math.inf
         self.reset()
 
     def reset(self) -> None:
@@ -197,6 +208,8 @@ class ClapDetector:
             and t_s - self._t_clap_s >= self._c.clap_rest_s
         )
         self._before, self._last, self._t_last_s = least, ratio, t_s
+        if ratio < CLAPPING_RATIO:
+            self._t_near_s = t_s
         if found:
             self._t_clap_s = t_s
             self._apart = False
@@ -206,8 +219,8 @@ class ClapDetector:
         return None
 
     def busy(self, t_s: float) -> bool:
-        """Whether a clap is under way or just over, by the last frame's hands."""
-        return self._last < CLAPPING_RATIO or t_s - self._t_clap_s < self._c.clap_rest_s
+        """Whether a clap may be under way or just over."""
+        return t_s - self._t_near_s < self._c.clap_rest_s
 
 
 class Detectors:
