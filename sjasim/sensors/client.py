@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX
 from ..choreography.layout import Mount
@@ -18,6 +19,7 @@ from ..types import (
     ClientOrder,
     ClientStatus,
     DeviceEvent,
+    IntArray,
     PersonStatus,
     SkeletonFrame,
     Skeletons,
@@ -40,7 +42,7 @@ class Sensing(Protocol):
     """
 
     dancers: IntArray
-    visible: BoolArray
+    visible: NDArray[np.bool_]
 
     def sample(self, view: StageView) -> Skeletons | None:
         """See the stage at this instant; None if the frame was lost."""
