@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX
 from ..choreography.layout import Mount
@@ -18,6 +19,7 @@ from ..types import (
     ClientOrder,
     ClientStatus,
     DeviceEvent,
+    IntArray,
     PersonStatus,
     SkeletonFrame,
     Skeletons,
@@ -40,7 +42,7 @@ class Sensing(Protocol):
     """
 
     dancers: IntArray
-    visible: BoolArray
+    visible: NDArray[np.bool_]
 
     def sample(self, view: StageView) -> Skeletons | None:
         """See the stage at this instant; None if the frame was lost."""
@@ -181,10 +183,10 @@ class Client:
         return messages
 
     def _status(self, t_device_s: float, skeletons: Skeletons) -> ClientStatus:
-        """Report everyone whose SpineBase, hips and shoulders are known; others are left out."""
-        base = skeletons.joints[:, _SPINE_BASE] @ self._mount.world_from_sensor.T + self._mount.position
+        """Report everyone whose SpineBase and hips are known; others are left out."""
+        base = self._mount.world_from_sensor.dot(skeletons.joints[:, _SPINE_BASE].T).T + self._mount.position
         yaws = [place.yaw_rad() for place in places(skeletons.joints)]
-        tracked = np.mean(skeletons.state == TRACKED, axis=1)
+        tracked = np.add.reduce(skeletons.state == TRACKED, axis=1) / len(JOINT_INDEX)
         rows = zip(skeletons.persons.tolist(), base.tolist(), yaws, tracked.tolist(), strict=True)
         persons = (
             PersonStatus(person, x, y, math.remainder(self._bearing_rad + yaw, math.tau), share)

@@ -28,8 +28,15 @@ FACING_RAD = math.radians(45.0)
 TURNING_RAD_S = 0.8
 """Yaw rate that counts as turning; walking swings the pelvis at up to half of it (assumed)."""
 
+SWAYING_RAD_S = 0.4
+"""Yaw rate above which early starts are disarmed for `SWAY_S`: dancers sway as they come out of a turn (assumed)."""
+
+SWAY_S = 1.0
+"""How long they do (assumed; the physics shows .6 s)."""
+
 CLAPPING_RATIO = 1.0
-"""Hands nearer than this many shoulder widths may be about to clap, so early events are disarmed (assumed)."""
+"""Hands nearer than this many shoulder widths may clap: early starts are disarmed until ``clap_rest_s`` after it,
+also when the clap itself stayed hidden (assumed)."""
 
 _UPPER_JOINTS = 4
 _ROUNDING_S = 1e-6
@@ -67,14 +74,15 @@ class MotionDetector:
     tells the kind: nobody has to know the expected move. It is sent once and armed again after ``early_rest_s``.
     Early stop: while moving, after ``early_move_share`` of the duration of the person's last move of that kind,
     fewer than ``early_joints`` do so in as many frames; never if no such move has been logged, nor with too few
-    joints tracked to tell. An early event that would come in the same frame as its regular one is not sent.
+    joints tracked to tell. At a brisk start or stop the early event may come in the same frame as the regular one,
+    and before it.
 
     Args:
         config: thresholds.
         durations: start kind -> duration of the person's last move of that kind [s]; shared with the caller.
     """
 
-    __slots__ = ("_c", "_phase", "_run", "_since_s", "_t_early_s", "durations")
+    __slots__ = ("_c", "_phase", "_run", "_since_s", "_t_early_s", "_t_sway_s", "durations")
 
     def __init__(self, config: DetectorConfig, durations: dict[Kind, float]) -> None:
         self._c = config
@@ -84,10 +92,10 @@ class MotionDetector:
     def reset(self) -> None:
         """Forget everything but the durations; the person must be seen standing before events come."""
         self._phase = _Phase.UNSETTLED
-        self._since_s = self._t_early_s = -math.inf
+        self._since_s = self._t_early_s = self._t_sway_s = -math.inf
         self._run = 0
 
-    def update(self, t_s: float, seen: Glimpse, span_s: float, busy: bool) -> Sighting | None:
+    def update(self, t_s: float, seen: Glimpse, span_s: float, busy: bool) -> tuple[Sighting | None, Sighting | None]:
         """Judge one frame.
 
         Args:
@@ -97,21 +105,23 @@ class MotionDetector:
             busy: whether a clap disarms the early start.
 
         Returns:
-            the event that this frame shows, or None.
+            the early event and the regular one that this frame shows, each or None.
         """
         if abs(seen.yaw_rad) > FACING_RAD:
             self.reset()
-            return None
-        if self._phase is _Phase.UNSETTLED:
+        elif self._phase is _Phase.UNSETTLED:
             if abs(seen.yaw_rad) <= FACING_RAD and abs(seen.speed_m_s) < self._c.off_m_s:
                 self._enter(_Phase.STANDING, t_s)
-            return None
-        if self._phase is not _Phase.STANDING:
-            return self._moving(t_s, seen, span_s)
-        if abs(seen.yaw_rate_rad_s) > TURNING_RAD_S:
+        elif self._phase is not _Phase.STANDING:
+            moved_s = t_s - self._since_s + _ROUNDING_S
+            return self._early_stop(t_s, moved_s, seen), self._stop(t_s, moved_s, seen, span_s)
+        elif abs(seen.yaw_rate_rad_s) > TURNING_RAD_S:
             self._enter(_Phase.STANDING, t_s)
-            return None
-        return self._standing(t_s, seen, span_s, busy)
+            self._t_sway_s = t_s
+        else:
+            rested_s = t_s - self._since_s + _ROUNDING_S
+            return self._early_start(t_s, rested_s, seen, busy), self._start(t_s, rested_s, seen, span_s)
+        return None, None
 
     def _enter(self, phase: _Phase, t_s: float) -> None:
         self._phase = phase
@@ -119,12 +129,17 @@ class MotionDetector:
         self._t_early_s = -math.inf
         self._run = 0
 
-    def _standing(self, t_s: float, seen: Glimpse, span_s: float, busy: bool) -> Sighting | None:
-        rested_s = t_s - self._since_s + _ROUNDING_S
-        if abs(seen.speed_m_s) > self._c.on_m_s and rested_s >= self._c.min_hold_s:
-            phase = _Phase.FORWARD if seen.speed_m_s > 0.0 else _Phase.BACKWARD
-            self._enter(phase, t_s)
-            return Sighting(_START[phase], False, t_s - span_s / 2)
+    def _start(self, t_s: float, rested_s: float, seen: Glimpse, span_s: float) -> Sighting | None:
+        if not (abs(seen.speed_m_s) > self._c.on_m_s and rested_s >= self._c.min_hold_s):
+            return None
+        phase = _Phase.FORWARD if seen.speed_m_s > 0.0 else _Phase.BACKWARD
+        self._enter(phase, t_s)
+        return Sighting(_START[phase], False, t_s - span_s / 2)
+
+    def _early_start(self, t_s: float, rested_s: float, seen: Glimpse, busy: bool) -> Sighting | None:
+        if abs(seen.yaw_rate_rad_s) > SWAYING_RAD_S:
+            self._t_sway_s = t_s
+        busy = busy or t_s - self._t_sway_s < SWAY_S
         if busy or min(rested_s, t_s - self._t_early_s) < self._c.early_rest_s:
             self._run = 0
             return None
@@ -136,13 +151,16 @@ class MotionDetector:
         self._t_early_s = t_s
         return Sighting(_START[_Phase(sign)], True)
 
-    def _moving(self, t_s: float, seen: Glimpse, span_s: float) -> Sighting | None:
+    def _stop(self, t_s: float, moved_s: float, seen: Glimpse, span_s: float) -> Sighting | None:
         phase = self._phase
-        moved_s = t_s - self._since_s + _ROUNDING_S
-        if moved_s >= self._c.min_move_s and phase * seen.speed_m_s < self._c.off_m_s:
-            self.durations[_START[phase]] = t_s - self._since_s
-            self._enter(_Phase.STANDING, t_s)
-            return Sighting(_STOP[phase], False, t_s - span_s / 2)
+        if not (moved_s >= self._c.min_move_s and phase * seen.speed_m_s < self._c.off_m_s):
+            return None
+        self.durations[_START[phase]] = t_s - self._since_s
+        self._enter(_Phase.STANDING, t_s)
+        return Sighting(_STOP[phase], False, t_s - span_s / 2)
+
+    def _early_stop(self, t_s: float, moved_s: float, seen: Glimpse) -> Sighting | None:
+        phase = self._phase
         armed_s = self._c.early_move_share * self.durations.get(_START[phase], math.inf)
         if moved_s < armed_s or self._t_early_s > self._since_s:
             return None
@@ -167,11 +185,11 @@ class ClapDetector:
         config: ratio and rest.
     """
 
-    __slots__ = ("_apart", "_before", "_c", "_last", "_t_clap_s", "_t_last_s")
+    __slots__ = ("_apart", "_before", "_c", "_last", "_t_clap_s", "_t_last_s", "_t_near_s")
 
     def __init__(self, config: DetectorConfig) -> None:
         self._c = config
-        self._t_clap_s = -math.inf
+        self._t_clap_s = self._t_near_s = -math.inf
         self.reset()
 
     def reset(self) -> None:
@@ -190,6 +208,8 @@ class ClapDetector:
             and t_s - self._t_clap_s >= self._c.clap_rest_s
         )
         self._before, self._last, self._t_last_s = least, ratio, t_s
+        if ratio < CLAPPING_RATIO:
+            self._t_near_s = t_s
         if found:
             self._t_clap_s = t_s
             self._apart = False
@@ -199,8 +219,8 @@ class ClapDetector:
         return None
 
     def busy(self, t_s: float) -> bool:
-        """Whether a clap is under way or just over, by the last frame's hands."""
-        return self._last < CLAPPING_RATIO or t_s - self._t_clap_s < self._c.clap_rest_s
+        """Whether a clap may be under way or just over."""
+        return t_s - self._t_near_s < self._c.clap_rest_s
 
 
 class Detectors:
@@ -246,11 +266,10 @@ class Detectors:
         events: list[DeviceEvent] = []
         for row, glimpse in enumerate(seen):
             clap = self._claps[row].update(t_s, glimpse)
-            motion = self._motion[row].update(t_s, glimpse, span_s, self._claps[row].busy(t_s))
-            if clap:
-                events.append(_device_event(frame, self._names[row], clap))
-            if motion:
-                events.append(_device_event(frame, self._names[row], motion))
+            early, regular = self._motion[row].update(t_s, glimpse, span_s, self._claps[row].busy(t_s))
+            if clap or early or regular:
+                found = (clap, early, regular)
+                events.extend(_device_event(frame, self._names[row], one) for one in found if one)
         return events
 
     def _meet(self, persons: IntArray) -> None:

@@ -26,7 +26,7 @@ class Glimpse(NamedTuple):
         away: the same away from the sensor.
         tracked: how many of the four are tracked; the others are not counted above.
         hand_ratio: hand distance over shoulder distance in the sensor's x-y plane; NaN unless all four are tracked.
-        yaw_rad: heading relative to facing the sensor, counter-clockwise from above; NaN if hips or shoulders miss.
+        yaw_rad: heading relative to facing the sensor, counter-clockwise from above; NaN if a hip is missing.
         yaw_rate_rad_s: its rate over the same frames as the speed.
     """
 
@@ -61,10 +61,13 @@ class Places(NamedTuple):
     right_hip_z: float
 
     def yaw_rad(self) -> float:
-        """Heading relative to facing the sensor, from the lines across shoulders and hips; NaN if one is missing."""
-        x = self.left_x - self.right_x + self.left_hip_x - self.right_hip_x
-        z = self.left_z - self.right_z + self.left_hip_z - self.right_hip_z
-        return math.atan2(z, -x)
+        """Heading relative to facing the sensor, from the lines across shoulders and hips.
+
+        From the hips alone where a shoulder is missing (it leaves the range first); NaN where a hip is.
+        """
+        hips_x, hips_z = self.left_hip_x - self.right_hip_x, self.left_hip_z - self.right_hip_z
+        x, z = hips_x + self.left_x - self.right_x, hips_z + self.left_z - self.right_z
+        return math.atan2(hips_z, -hips_x) if math.isnan(x + z) else math.atan2(z, -x)
 
     def hand_ratio(self) -> float:
         """Hand distance over shoulder distance, both as the sensor sees them; NaN if the shoulders coincide."""
@@ -89,6 +92,9 @@ _PLACES = np.array(
 _STATES = np.array(
     [JOINT_INDEX[name] for name in ("SpineMid", "Neck", "ShoulderLeft", "ShoulderRight", "HandLeft", "HandRight")]
 )
+
+_HANDS_TRACKED = [TRACKED] * 4
+"""The last four of `_STATES` when a clap can be seen."""
 
 
 def places(joints: Array) -> list[Places]:
@@ -157,20 +163,22 @@ class Glimpses:
             if oldest:
                 speed = (oldest.places[row].base_z - place.base_z) / self.span_s
                 turned = math.remainder(yaw - oldest.yaws[row], math.tau) / self.span_s
-            counts, hands = _compare(place, before.places[row], states[row], floor_m)
-            seen.append(Glimpse(speed, *counts, place.hand_ratio() if hands else math.nan, yaw, turned))
+            towards, away, tracked = _compare(place, before.places[row], states[row], floor_m)
+            ratio = place.hand_ratio() if states[row][2:] == _HANDS_TRACKED else math.nan
+            seen.append(Glimpse(speed, towards, away, tracked, ratio, yaw, turned))
         self._past.append(_Past(t_s, now, [glimpse.yaw_rad for glimpse in seen]))
         return seen
 
 
-def _compare(now: Places, before: Places, states: list[int], floor_m: float) -> tuple[tuple[int, int, int], bool]:
-    """Counts of upper joints going towards the sensor, away from it, and tracked; whether a clap could be seen."""
-    mid_ok, neck_ok, left_ok, right_ok = [state == TRACKED for state in states[:4]]
+def _compare(now: Places, before: Places, states: list[int], floor_m: float) -> tuple[int, int, int]:
+    """Counts of upper joints going towards the sensor, going away from it, and tracked."""
+    mid_state, neck_state, left_state, right_state, *_ = states
+    mid_ok, neck_ok = mid_state == TRACKED, neck_state == TRACKED
+    left_ok, right_ok = left_state == TRACKED, right_state == TRACKED
     mid, neck = before.mid_z - now.mid_z, before.neck_z - now.neck_z
     left, right = before.left_z - now.left_z, before.right_z - now.right_z
     towards = (mid_ok and mid > floor_m) + (neck_ok and neck > floor_m)
     towards += (left_ok and left > floor_m) + (right_ok and right > floor_m)
     away = (mid_ok and mid < -floor_m) + (neck_ok and neck < -floor_m)
     away += (left_ok and left < -floor_m) + (right_ok and right < -floor_m)
-    hands = left_ok and right_ok and states[4] == TRACKED and states[5] == TRACKED
-    return (towards, away, mid_ok + neck_ok + left_ok + right_ok), hands
+    return towards, away, mid_ok + neck_ok + left_ok + right_ok

@@ -118,8 +118,8 @@ class JointsSensing:
         error = self._bias + self._drift
         error *= factor
         local += error
-        if not known.all():
-            local[:, ~known] = np.nan
+        if np.count_nonzero(known) < known.size:
+            np.copyto(local, np.nan, where=~known)
         joints = np.ascontiguousarray(local.T).reshape(*self._shape, 3)
         state = state.reshape(self._shape)
         joints.flags.writeable = state.flags.writeable = False
@@ -128,7 +128,8 @@ class JointsSensing:
     def _in_view(self, local: Array) -> BoolArray:
         """Which of the joints, (3, N) in the sensor's frame, lie in the field of view and range, (N,)."""
         depth = local[2]
-        inside: BoolArray = np.logical_and.reduce(np.abs(local[:2]) <= self._slope * depth, axis=0)
+        across, along = np.abs(local[:2]) <= self._slope * depth
+        inside: BoolArray = across & along
         inside &= depth >= self._config.min_range_m
         inside &= depth <= self._config.max_range_m
         return inside

@@ -77,31 +77,35 @@ class Script:
 
     def joints(self, t_s: float, body: np.ndarray) -> tuple[np.ndarray, float]:
         """(25, 3) world joints [m] and the heading [rad]."""
-        rows = body.copy()
-        self._clap(rows, t_s)
-        heading = self.heading_rad + sum(angle * min_jerk((t_s - t0) / d) for t0, d, angle in self.turns)
-        along = sum(walk.length_m * min_jerk((t_s - walk.t_s) / walk.duration_s) for walk in self.walks)
-        for walk in self.walks:  # a stride's bob and the pelvis' swing
+        along, heading, bob_m = 0.0, self.heading_rad, 0.0
+        for walk in self.walks:  # with a stride's bob and the pelvis' swing
             share = (t_s - walk.t_s) / walk.duration_s
-            if 0.0 < share < 1.0:
-                weight = math.sin(math.pi * share) ** 2
-                rows[:, 2] += 0.015 * weight * math.sin(2 * math.pi * 1.8 * (t_s - walk.t_s))
-                heading += 0.05 * weight * math.sin(2 * math.pi * 0.9 * (t_s - walk.t_s))
+            if share >= 1.0:
+                along += walk.length_m
+            elif share > 0.0:
+                along += walk.length_m * min_jerk(share)
+                weight, phase = math.sin(math.pi * share) ** 2, 2 * math.pi * 0.9 * (t_s - walk.t_s)
+                bob_m += 0.015 * weight * math.sin(2 * phase)
+                heading += 0.05 * weight * math.sin(phase)
+        for start_s, duration_s, angle in self.turns:
+            heading += angle * min_jerk((t_s - start_s) / duration_s)
         along += self.sway_m * math.sin(2 * math.pi * 0.3 * t_s + self.place[0])
+        rows = self._clap(body, t_s)
         cos, sin = math.cos(heading), math.sin(heading)
         world = rows @ np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        base = self.heading_rad
-        world[:, 0] += self.place[0] + along * math.cos(base)
-        world[:, 1] += self.place[1] + along * math.sin(base)
+        x, y = self.place
+        world += (x + along * math.cos(self.heading_rad), y + along * math.sin(self.heading_rad), bob_m)
         return world, heading
 
-    def _clap(self, rows: np.ndarray, t_s: float) -> None:
-        for clap in self.claps:
-            near = min_jerk(1.0 - abs(t_s - clap) / 0.45)
-            if near > 0.0:
-                for side, sign in (("Left", 1.0), ("Right", -1.0)):
-                    index = [JOINT_INDEX[name + side] for name in _ARM]
-                    rows[index] += near * (np.array([0.35, sign * 0.03, 1.15]) - rows[JOINT_INDEX["Hand" + side]])
+    def _clap(self, body: np.ndarray, t_s: float) -> np.ndarray:
+        clap = next((clap for clap in self.claps if abs(t_s - clap) < 0.45), None)
+        if clap is None:
+            return body
+        rows, near = body.copy(), min_jerk(1.0 - abs(t_s - clap) / 0.45)
+        for side, sign in (("Left", 1.0), ("Right", -1.0)):
+            index = [JOINT_INDEX[name + side] for name in _ARM]
+            rows[index] += near * (np.array([0.35, sign * 0.03, 1.15]) - rows[JOINT_INDEX["Hand" + side]])
+        return rows
 
     def events(self) -> list[tuple[float, Kind]]:
         moves = [event for walk in self.walks for event in walk.events()]

@@ -76,7 +76,7 @@ def test_status_places_persons_in_the_world():
             index = order[person.person]
             assert (person.x_m, person.y_m) == pytest.approx(PLACES[index], abs=1e-9)
             assert person.yaw_rad == pytest.approx(0.4 * index, abs=1e-9)
-            assert person.tracked == 1.0
+            assert 0.6 < person.tracked <= 1.0  # near feet leave the picture, far arms the range
 
 
 def test_persons_out_of_range_are_left_out_of_the_status():
