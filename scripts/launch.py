@@ -98,7 +98,7 @@ def install(python: str) -> None:
         make_venv(chosen, uv)
     STAMP.unlink() if STAMP.exists() else None
     installer = [uv, "pip", "install", "--python", str(PYTHON)] if uv else [str(PYTHON), "-m", "pip", "install"]
-    # Byte-compiling 1.2 GB beforehand takes pip half its time; Python compiles what is used when it is used.
+    # No byte-compiling of 1.2 GB beforehand: Python compiles what is used when it is used.
     quiet = ["--quiet"] if uv else ["--quiet", "--no-compile", "--disable-pip-version-check"]
     target = ["-e", f"{ROOT}[test,dev]", "-c", str(ROOT / "constraints.txt")]
     call([*installer, *quiet, *target], "the installation failed (see above); the same command tries again")
