@@ -177,6 +177,8 @@ class Sia:
         step = self._brief.steps[self._next]
         self._next += 1
         if step.kind in STARTS:
-            return Withdrawal(self._scheduled, step.ordinal, f"passed over: {event.kind.value} of {self._note}")
-        why = f"fallback: {event.kind.value} came first of {self._note}"
+            return Withdrawal(
+                self._scheduled, step.ordinal, f"passed over: {event.kind.value} already seen of {self._note}"
+            )
+        why = f"fallback: {event.kind.value} already seen of {self._note}"
         return Intention(self._scheduled, step.ordinal, event.t_arrival_s, why)

@@ -9,17 +9,20 @@ Source: iqbal2016, eqs. (1)-(6), (10), (11); the pairwise index extends quianqui
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import ConfigError
 from ..types import ROBOT, Array, IntArray, Kind
 
 Series = tuple[Sequence[float] | Array, Sequence[str]]
 """One agent's events: times [s] and, of the same length, kinds."""
+
+BoolArray = NDArray[np.bool_]
 
 TIE = 1e-9
 """Individual indices this close are tied (rounding, not evidence)."""
@@ -56,7 +59,7 @@ class GroupSynchrony:
 
     agents: tuple[str, ...]
     pairs: Array
-    edges: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+    edges: BoolArray
     individual: Array
     connectivity: Array
     gsi: float
@@ -111,20 +114,9 @@ def pair_synchrony(a: Series, b: Series, tau: float = 0.25, one_to_one: bool = F
 
     Source: iqbal2016, eqs. (1)-(4).
     """
-    if not tau > 0.0:
-        raise ConfigError("tau", tau, "a positive number of seconds")
-    trains_a, trains_b = _trains(a), _trains(b)
-    tau_us = round(tau * 1e6)
-    by_kind: dict[str, float] = {}
-    total, weights = 0.0, 0
-    for kind in dict.fromkeys((*trains_a, *trains_b)):
-        x, y = trains_a.get(kind, _NO_EVENTS), trains_b.get(kind, _NO_EVENTS)
-        coincidences = _matches(x, y, tau_us) if one_to_one else _coincidences(x, y, tau_us)
-        product = len(x) * len(y)
-        by_kind[kind] = coincidences / math.sqrt(product) if product else 0.0
-        total += by_kind[kind] * (len(x) + len(y))
-        weights += len(x) + len(y)
-    return PairSynchrony(total / weights if weights else 0.0, by_kind, weights == 0)
+    counted = _count((a, b), tau, one_to_one)
+    by_kind = dict(zip(counted.kinds, counted.synchrony[0, 1].tolist(), strict=True))
+    return PairSynchrony(float(counted.index[0, 1]), by_kind, bool(counted.empty[0, 1]))
 
 
 def pair_index(  # noqa: PLR0917 - the public signature
@@ -153,7 +145,7 @@ def pair_index(  # noqa: PLR0917 - the public signature
     return pair_synchrony((times_a, kinds_a), (times_b, kinds_b), tau, one_to_one).index
 
 
-def individual_index(pairs: Array, edges: np.ndarray[tuple[int, ...], np.dtype[np.bool_]] | None = None) -> Array:
+def individual_index(pairs: Array, edges: BoolArray | None = None) -> Array:
     """Mean weight of every agent's outgoing edges.
 
     Args:
@@ -171,7 +163,7 @@ def individual_index(pairs: Array, edges: np.ndarray[tuple[int, ...], np.dtype[n
     return np.asarray(np.divide(sums, degrees, out=np.zeros(len(pairs)), where=degrees > 0))
 
 
-def connectivity(edges: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> Array:
+def connectivity(edges: BoolArray) -> Array:
     """Out-degree of every agent over the H - 1 possible edges; 0 for a group of one.
 
     Source: iqbal2016, eq. (10).
@@ -211,18 +203,15 @@ def group_index(
     Source: iqbal2016, eq. (11).
     """
     agents = tuple(series)
-    pairs = np.zeros((len(agents), len(agents)))
-    empty: list[tuple[str, str]] = []
-    for i, a in enumerate(agents):
-        for j in range(i):
-            pair = pair_synchrony(series[a], series[agents[j]], tau, one_to_one)
-            pairs[i, j] = pairs[j, i] = pair.index
-            if pair.empty:
-                empty.append((agents[j], a))
+    counted = _count(tuple(series.values()), tau, one_to_one)
+    pairs = np.where(np.eye(len(agents), dtype=bool), 0.0, counted.index)
     out = _graph(agents, edges, follows, robot)
     individual, connected = individual_index(pairs, out), connectivity(out)
     gsi = float(np.mean(individual * connected)) if agents else 0.0
-    return GroupSynchrony(agents, pairs, out, individual, connected, gsi, tuple(empty))
+    for array in (pairs, out, individual, connected):
+        array.flags.writeable = False
+    empty = tuple((a, b) for (i, a), (j, b) in combinations(enumerate(agents), 2) if counted.empty[i, j])
+    return GroupSynchrony(agents, pairs, out, individual, connected, gsi, empty)
 
 
 def most_synchronous(
@@ -247,49 +236,82 @@ def most_synchronous(
     return MostSynchronous(before if before in tied and before is not None else tied[0], tied, group.individual)
 
 
+@dataclass(frozen=True, slots=True)
+class _Counted:
+    """Pairwise synchrony of H agents over the K kinds that occur: Q(e) (H, H, K), Q_xy (H, H), no event (H, H)."""
+
+    kinds: tuple[str, ...]
+    synchrony: Array
+    index: Array
+    empty: BoolArray
+
+
+def _count(series: Sequence[Series], tau: float, one_to_one: bool) -> _Counted:
+    """All pairs and kinds at once: each kind gets its own stretch of one time line, farther apart than tau."""
+    if not tau > 0.0:
+        raise ConfigError("tau", tau, "a positive number of seconds")
+    tau_us = round(tau * 1e6)
+    codes: dict[str, int] = {}
+    times, kinds = zip(*(_coded(events, codes) for events in series), strict=True) if series else ((), ())
+    size, many = len(series), len(codes)
+    owner = np.repeat(np.arange(size), [len(part) for part in times])
+    line, code = np.concatenate([_NO_EVENTS, *times]), np.concatenate([_NO_EVENTS, *kinds])
+    stride = int(line.max() - line.min()) + tau_us + 1 if len(line) else 1
+    line = line - (line.min() if len(line) else 0) + stride * code
+    events = np.bincount(owner * many + code, minlength=size * many).reshape(size, many)
+    trains = [np.sort(line[owner == agent]) for agent in range(size)]
+    count = np.zeros((size, size, many))
+    if one_to_one:
+        for i, j in combinations(range(size), 2):
+            matched = np.array(_matches(trains[i].tolist(), trains[j].tolist(), tau_us), dtype=np.int64) // stride
+            count[i, j] = count[j, i] = np.bincount(matched, minlength=many)
+    else:
+        for agent, train in enumerate(trains):
+            # c(x|y) + c(y|x): lags strictly inside tau; a tie's two halves make one.
+            inside = train.searchsorted(line + tau_us, "left") - train.searchsorted(line - tau_us, "right")
+            count[:, agent] = np.bincount(owner * many + code, inside, size * many).reshape(size, many)
+    product, weight = events[:, None] * events, events[:, None] + events
+    synchrony = count / np.sqrt(np.maximum(product, 1))
+    weights = weight.sum(axis=2)
+    index = (synchrony * weight).sum(axis=2) / np.maximum(weights, 1)
+    return _Counted(tuple(codes), synchrony, index, weights == 0)
+
+
 _NO_EVENTS: IntArray = np.zeros(0, dtype=np.int64)
 
 
-def _trains(series: Series) -> dict[str, IntArray]:
-    """Sorted times of each kind [us]."""
+def _coded(series: Series, codes: dict[str, int]) -> tuple[IntArray, IntArray]:
+    """Times [us] and codes of kinds; a kind not met before gets the next code."""
     times_s, kinds = series
     times = microseconds(times_s)
     if len(times) != len(kinds):
         raise ConfigError("kinds", len(kinds), f"as many as times: {len(times)}")
-    names = np.array([Kind.CLAP.value if kind == Kind.TURN else str(kind) for kind in kinds], dtype=object)
-    return {kind: np.sort(times[names == kind]) for kind in dict.fromkeys(names.tolist())}
+    names = (Kind.CLAP.value if kind == Kind.TURN else str(kind) for kind in kinds)
+    return times, np.array([codes.setdefault(name, len(codes)) for name in names], dtype=np.int64)
 
 
-def _coincidences(x: IntArray, y: IntArray, tau_us: int) -> int:
-    """c(x|y) + c(y|x): pairs with a lag strictly inside tau; a tie's two halves make one."""
-    inside = np.searchsorted(y, x + tau_us, side="left") - np.searchsorted(y, x - tau_us, side="right")
-    return int(inside.sum())
-
-
-def _matches(x: IntArray, y: IntArray, tau_us: int) -> int:
-    """Size of the largest one-to-one matching inside tau; on a line the earliest fitting partner is optimal."""
-    i = j = count = 0
+def _matches(x: list[int], y: list[int], tau_us: int) -> list[int]:
+    """Times in x of the largest one-to-one matching inside tau; on a line the earliest fitting partner is optimal."""
+    i = j = 0
+    found: list[int] = []
     while i < len(x) and j < len(y):
         lag = x[i] - y[j]
         if abs(lag) < tau_us:
-            i, j, count = i + 1, j + 1, count + 1
+            found.append(x[i])
+            i, j = i + 1, j + 1
         elif lag > 0:
             j += 1
         else:
             i += 1
-    return count
+    return found
 
 
-def _out_edges(
-    size: int, edges: np.ndarray[tuple[int, ...], np.dtype[np.bool_]] | None
-) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _out_edges(size: int, edges: BoolArray | None) -> BoolArray:
     others = ~np.eye(size, dtype=bool)
     return others if edges is None else np.asarray(edges, dtype=bool) & others
 
 
-def _graph(
-    agents: tuple[str, ...], edges: str, follows: Sequence[str] | None, robot: str
-) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _graph(agents: tuple[str, ...], edges: str, follows: Sequence[str] | None, robot: str) -> BoolArray:
     if edges not in ("paper", "full"):
         raise ConfigError("edges", edges, "paper or full")
     out = _out_edges(len(agents), None)

@@ -62,7 +62,6 @@ class ActiveClient:
             for mount in layout.mounts
         }
         self._group = max(group, 1)
-        self._first, self._last = timetable.first, timetable.last
         span = range(timetable.first, timetable.last + 1)
         self._faced = [self._sensor_at(timetable.heading_rad(iteration)) for iteration in span]
         self._starts_s = [timetable.start_s(iteration) for iteration in span]

@@ -1,0 +1,97 @@
+"""Scripted dances for the methods' tests: a brief, and events that tell a story."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sjasim.anticipation.method import build
+from sjasim.choreography.paper import paper
+from sjasim.choreography.score import TempoMap, Timetable
+from sjasim.types import Brief, Event, Intention, Kind
+
+CAST = ("dancer_1", "dancer_2", "dancer_3")
+TIMETABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)
+BEAT_S = 60 / 118
+STEPS = paper().steps()
+NOMINAL = np.array([step.beat * BEAT_S for step in STEPS])
+DELAY_S = 0.02
+
+
+def brief(cast=CAST):
+    span = range(5)
+    return Brief(
+        cast,
+        STEPS,
+        4,
+        BEAT_S,
+        tuple(TIMETABLE.start_s(i) for i in span),
+        tuple(TIMETABLE.close_s(i) for i in span),
+    )
+
+
+def start_s(iteration):
+    return TIMETABLE.start_s(iteration)
+
+
+def event(person, iteration, kind, after_s, early=False):
+    t_s = start_s(iteration) + after_s
+    return Event(person, Kind(kind), t_s, t_s + DELAY_S, early, iteration, "north")
+
+
+def dance(iteration, offsets, skip=()):
+    """Regular events of one iteration: each dancer at the nominal time plus their offset (seconds or an array)."""
+    events = [
+        event(person, iteration, step.kind, NOMINAL[step.ordinal] + np.broadcast_to(offset, len(STEPS))[step.ordinal])
+        for person, offset in offsets.items()
+        for step in STEPS
+        if (person, step.ordinal) not in skip
+    ]
+    return sorted(events, key=lambda item: item.t_arrival_s)
+
+
+class Stage:
+    """Plays events to a method and keeps its latest answer for every step, as the dispatcher would."""
+
+    def __init__(self, name, cast=CAST, **options):
+        self.method = build(name, options)
+        self.method.reset(brief(cast), np.random.default_rng(0))
+        self.plan = {}
+        self.answers = []
+
+    def take(self, answers):
+        for answer in answers:
+            self.answers.append(answer)
+            key = (answer.iteration, answer.ordinal)
+            if isinstance(answer, Intention):
+                self.plan[key] = answer
+            else:
+                self.plan.pop(key)
+        return list(answers)
+
+    def begin(self, iteration):
+        return self.take(self.method.on_iteration_start(iteration, start_s(iteration)))
+
+    def end(self, iteration):
+        return self.take(self.method.on_iteration_end(iteration, TIMETABLE.close_s(iteration)))
+
+    def tell(self, item):
+        return self.take(self.method.on_event(item))
+
+    def play(self, iteration, offsets, skip=()):
+        self.begin(iteration)
+        for item in dance(iteration, offsets, skip):
+            self.tell(item)
+        self.end(iteration)
+        return self
+
+    def after(self, iteration):
+        """Planned sending times after beat 0, in the order of the steps."""
+        return np.array([self.plan[iteration, step.ordinal].t_s - start_s(iteration) for step in STEPS])
+
+
+@pytest.fixture
+def story():
+    """What tells a story: the stage, the events, the music."""
+    return SimpleNamespace(Stage=Stage, event=event, dance=dance, start_s=start_s, brief=brief,
+                           nominal=NOMINAL, delay_s=DELAY_S, timetable=TIMETABLE)  # fmt: skip

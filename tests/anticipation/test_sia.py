@@ -1,0 +1,171 @@
+"""SIA against event streams told in words."""
+
+import numpy as np
+import pytest
+
+from sjasim.anticipation.eca import LEAD_S
+from sjasim.types import Intention, Kind, Withdrawal
+
+TOGETHER = {"dancer_1": 0.0, "dancer_2": 0.05, "dancer_3": 0.6}
+SF, TF, SB, TB, CLAP, TURN = Kind
+
+
+@pytest.fixture
+def following(story):
+    """A stage at the beginning of iteration 2, in which dancer_1 is followed."""
+    stage = story.Stage("sia").play(0, TOGETHER).play(1, TOGETHER)
+    stage.begin(2)
+    assert stage.method.follows(2) == ("dancer_1",)
+    return stage
+
+
+def sent(answers):
+    """(ordinal, person) of answers that trigger."""
+    return [(a.ordinal, a.person) for a in answers if isinstance(a, Intention)]
+
+
+def test_iteration_one_is_scheduled_from_the_rehearsal(story):
+    stage = story.Stage("sia").play(0, TOGETHER)
+    eca = story.Stage("eca").play(0, TOGETHER)
+    assert stage.after(1) == pytest.approx(eca.after(1))
+    assert stage.method.follows(1) == ()
+    before = len(stage.answers)
+    stage.play(1, TOGETHER)
+    assert all(answer.iteration == 2 for answer in stage.answers[before:])
+
+
+def test_the_robots_edges_while_it_follows_nobody_are_an_option(story):
+    assert story.Stage("sia", edges="all").play(0, TOGETHER).method.follows(1) is None
+
+
+def test_the_rehearsals_leader_is_followed_at_once_if_asked(story):
+    stage = story.Stage("sia", effective_from=1).play(0, TOGETHER)
+    assert stage.method.follows(1) == ("dancer_1",)
+    assert sent(stage.tell(story.event("dancer_1", 1, SF, 0.1, early=True))) == [(0, "dancer_1")]
+
+
+def test_one_dancer_always_late_is_never_followed(story):
+    rng = np.random.default_rng(1)
+    for _ in range(10):
+        stage = story.Stage("sia")
+        for iteration in range(4):
+            offsets = {name: rng.normal(0, 0.05, 9) for name in ("dancer_1", "dancer_3")}
+            stage.play(iteration, {**offsets, "dancer_2": 0.7 + rng.normal(0, 0.05, 9)})
+        assert all(stage.method.follows(i) != ("dancer_2",) for i in (2, 3, 4))
+        assert all(a.person != "dancer_2" for a in stage.answers)
+
+
+def test_an_early_event_of_the_leader_triggers_at_once(following, story):
+    early = story.event("dancer_1", 2, SF, -0.1, early=True)
+    (answer,) = following.tell(early)
+    assert (answer.iteration, answer.ordinal, answer.person) == (2, 0, "dancer_1")
+    assert answer.t_s == early.t_arrival_s
+    assert answer.why.startswith("early start_forward of dancer_1")
+
+
+def test_early_and_regular_of_one_move_trigger_once(following, story):
+    stream = [(SF, -0.1, True), (SF, 0.0, False), (SF, 0.0, False), (TF, 1.9, True), (TF, 2.0, False)]
+    answers = [a for kind, at, early in stream for a in following.tell(story.event("dancer_1", 2, kind, at, early))]
+    assert sent(answers) == [(0, "dancer_1"), (1, "dancer_1")]
+
+
+def test_the_regular_event_triggers_where_no_early_one_came(following, story):
+    assert sent(following.tell(story.event("dancer_1", 2, SF, 0.2))) == [(0, "dancer_1")]
+
+
+def test_nobody_but_the_leader_is_followed(following, story):
+    for person in ("dancer_2", "dancer_3", "stranger"):
+        assert following.tell(story.event(person, 2, SF, 0.0, early=True)) == []
+        assert following.tell(story.event(person, 2, SF, 0.0)) == []
+
+
+def test_only_the_expected_kind_counts(following, story):
+    for kind in (TF, SB, TB):
+        assert following.tell(story.event("dancer_1", 2, kind, 0.0, early=True)) == []
+    assert sent(following.tell(story.event("dancer_1", 2, SF, 0.1))) == [(0, "dancer_1")]
+
+
+def test_an_early_clap_is_no_clap(following, story):
+    for step in range(8):
+        following.tell(story.event("dancer_1", 2, story.brief().steps[step].kind, story.nominal[step]))
+    assert following.tell(story.event("dancer_1", 2, CLAP, story.nominal[8], early=True)) == []
+    assert sent(following.tell(story.event("dancer_1", 2, CLAP, story.nominal[8] + 0.1))) == [(8, "dancer_1")]
+
+
+def test_an_event_outside_the_window_is_not_followed(story):
+    stage = story.Stage("sia", window_s=1.0).play(0, TOGETHER).play(1, TOGETHER)
+    stage.begin(2)
+    assert stage.tell(story.event("dancer_1", 2, SF, -1.1, early=True)) == []
+    assert sent(stage.tell(story.event("dancer_1", 2, SF, -0.9, early=True))) == [(0, "dancer_1")]
+
+
+def test_a_silent_leader_leaves_the_fallback_at_the_windows_end(following, story):
+    for step in range(9):
+        plan = following.plan[2, step]
+        assert plan.why.startswith("fallback")
+        assert plan.person == ""
+    close = story.timetable.close_s(2) - story.start_s(2)
+    assert following.after(2) == pytest.approx(np.minimum(story.nominal + 2.0, close))
+
+
+def test_the_fallback_waits_for_its_schedule_if_that_is_later(story):
+    at = {"dancer_1": -0.7, "dancer_2": -0.7, "dancer_3": 0.7}
+    stage = story.Stage("sia", window_s=0.3).play(0, at).play(1, at)
+    mean = -0.7 / 3  # all three lie within one chain of epsilon
+    assert stage.after(2)[:8] == pytest.approx(story.nominal[:8] + mean - LEAD_S)
+
+
+def test_after_a_fallback_the_next_step_is_expected(following, story):
+    assert following.tell(story.event("dancer_1", 2, SF, 2.1)) == []
+    assert sent(following.tell(story.event("dancer_1", 2, TF, 2.2, early=True))) == [(1, "dancer_1")]
+
+
+def test_a_missed_move_is_passed_over_when_the_leader_is_past_it(following, story):
+    assert sent(following.tell(story.event("dancer_1", 2, SF, 0.0))) == [(0, "dancer_1")]
+    # the stop is lost; the leader, half a second ahead, already goes back
+    stop, start = following.tell(story.event("dancer_1", 2, SB, story.nominal[2] - 0.5))
+    assert (stop.ordinal, stop.person) == (1, "")
+    assert stop.why.startswith("fallback")
+    assert (start.ordinal, start.person) == (2, "dancer_1")
+    # now a start is lost: its stop withdraws it
+    following.tell(story.event("dancer_1", 2, TB, story.nominal[3]))
+    skipped, stop = following.tell(story.event("dancer_1", 2, TF, story.nominal[4] + 1.8))
+    assert isinstance(skipped, Withdrawal)
+    assert skipped.ordinal == 4
+    assert stop.ordinal == 5
+
+
+def test_the_leaders_missing_time_is_replaced_by_the_schedule(story):
+    stage = story.Stage("sia").play(0, TOGETHER)
+    stage.play(1, TOGETHER, skip=[("dancer_1", 4)])
+    assert stage.method.follows(2) == ("dancer_1",)  # tied with dancer_2, and followed before
+    scheduled = story.nominal[4] + (0.05 + 0.6) / 2
+    assert stage.after(2)[4] == pytest.approx(scheduled + 2.0)
+
+
+def test_a_tie_keeps_the_leader_and_is_logged(story):
+    stage = story.Stage("sia").play(0, {"dancer_1": 1.0, "dancer_2": 0.0, "dancer_3": 0.1})
+    assert stage.method.follows(1) == ()
+    stage.play(1, {"dancer_1": 0.0, "dancer_2": 0.0, "dancer_3": 0.0})
+    assert stage.method.follows(2) == ("dancer_2",)
+    assert "tie with dancer_1, dancer_3" in stage.plan[2, 0].why
+
+
+def test_an_iteration_without_events_keeps_leader_and_schedule(story):
+    stage = story.Stage("sia").play(0, TOGETHER)
+    stage.play(1, {"dancer_1": 1.5, "dancer_2": 0.3, "dancer_3": 0.3})
+    assert stage.method.follows(2) == ("dancer_2",)
+    stage.begin(2)
+    stage.end(2)
+    assert stage.method.follows(3) == ("dancer_2",)
+    stage.begin(3)
+    assert sent(stage.tell(story.event("dancer_2", 3, SF, 0.0, early=True))) == [(0, "dancer_2")]
+
+
+def test_a_new_leader_is_followed_from_the_close_of_the_window(story):
+    stage = (
+        story.Stage("sia").play(0, TOGETHER).play(1, TOGETHER).play(2, {"dancer_1": 2, "dancer_2": 0, "dancer_3": 0})
+    )
+    # before beat 0 of iteration 3
+    assert sent(stage.tell(story.event("dancer_2", 3, SF, -0.5, early=True))) == [(0, "dancer_2")]
+    assert stage.tell(story.event("dancer_1", 3, TF, 2.0, early=True)) == []

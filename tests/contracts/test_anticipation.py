@@ -1,0 +1,127 @@
+"""What every registered anticipation method keeps: the same story, told in every way that can happen."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from sjasim import registry
+from sjasim.anticipation.method import Method, build
+from sjasim.choreography.paper import paper
+from sjasim.choreography.score import TempoMap, Timetable
+from sjasim.errors import ConfigError, PluginError, UnknownNameError
+from sjasim.types import Brief, Event, Intention, Kind, Wake, Withdrawal
+
+STEPS = paper().steps()
+TIMETABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)
+METHODS = registry.names("anticipation")
+
+
+def brief(cast=("dancer_1", "dancer_2", "dancer_3"), shift=0.0):
+    starts = tuple(TIMETABLE.start_s(i) + shift for i in range(5))
+    return Brief(cast, STEPS, 4, 60 / 118, starts, tuple(TIMETABLE.close_s(i) + shift for i in range(5)))
+
+
+def dance(method, plan, seed=0, missing=0.1, noise_s=0.3):
+    """Plays a whole noisy dance; returns (time, answer) in order."""
+    rng = np.random.default_rng(seed)
+    told = []
+    for i in range(5):
+        told.append((plan.iteration_start_s[i], 0, method.on_iteration_start, (i, plan.iteration_start_s[i])))
+        told.append((plan.window_end_s[i], 1, method.on_iteration_end, (i, plan.window_end_s[i])))
+        for person in ("dancer_1", "dancer_2", "dancer_3"):
+            for step in STEPS:
+                t_s = plan.iteration_start_s[i] + step.beat * plan.beat_s + rng.normal(0, noise_s)
+                lost, early_lost = rng.random() < missing, rng.random() < missing
+                early = (t_s - 0.1, True) if step.kind != Kind.CLAP and not early_lost else None
+                for at in filter(None, (early, None if lost else (t_s, False))):
+                    arrival = at[0] + 0.02
+                    event = Event(person, step.kind, at[0], arrival, at[1], i, "north")
+                    told.append((arrival, 2, method.on_event, (event,)))
+    out, wakes = [], []
+    for now, _, hook, arguments in sorted(told, key=lambda item: item[:2]):
+        for wake in sorted(wake for wake in wakes if wake <= now):
+            wakes.remove(wake)
+            out += [(wake, answer) for answer in method.on_wake(wake)]
+        answers = hook(*arguments)
+        wakes += [answer.t_s for answer in answers if isinstance(answer, Wake)]
+        out += [(now, answer) for answer in answers]
+    return out
+
+
+def start(name, plan, seed=0):
+    method = build(name)
+    method.reset(plan, np.random.default_rng(seed))
+    return method
+
+
+@pytest.mark.parametrize("name", METHODS)
+class TestEveryMethod:
+    def test_keeps_the_protocol_and_has_documented_frozen_options(self, name):
+        entry = registry.resolve("anticipation", name)
+        assert isinstance(build(name), Method)
+        assert entry.factory.__doc__
+        if entry.config is not None:
+            assert dataclasses.is_dataclass(entry.config)
+            assert entry.config.__dataclass_params__.frozen
+            assert all(f"{field.name}:" in entry.config.__doc__ for field in dataclasses.fields(entry.config))
+
+    def test_answers_only_for_steps_that_exist(self, name):
+        plan = brief()
+        for now, answer in dance(start(name, plan), plan):
+            assert isinstance(answer, Intention | Withdrawal | Wake)
+            if isinstance(answer, Intention):
+                assert math.isfinite(answer.t_s)
+                assert answer.person in ("", *plan.cast)
+            if not isinstance(answer, Wake):
+                assert 1 <= answer.iteration <= 4
+                assert 0 <= answer.ordinal < len(STEPS)
+                assert answer.why
+                assert plan.window_end_s[answer.iteration - 1] <= now
+
+    def test_intends_every_step_of_a_clean_dance(self, name):
+        plan = brief()
+        answers = dance(start(name, plan), plan, missing=0.0, noise_s=0.02)
+        intended = {(a.iteration, a.ordinal) for _, a in answers if isinstance(a, Intention)}
+        assert intended == {(i, step.ordinal) for i in range(1, 5) for step in STEPS}
+
+    def test_same_story_same_answers_and_reset_forgets(self, name):
+        plan = brief()
+        method = start(name, plan)
+        first = dance(method, plan)
+        method.reset(plan, np.random.default_rng(0))
+        assert dance(method, plan) == first
+        assert dance(start(name, plan), plan) == first
+
+    def test_shifting_the_clock_shifts_the_answers(self, name):
+        plan, later = brief(), brief(shift=1000.0)
+        for (_, a), (_, b) in zip(dance(start(name, plan), plan), dance(start(name, later), later), strict=True):
+            assert type(a) is type(b)
+            if not isinstance(a, Withdrawal):
+                assert b.t_s - a.t_s == pytest.approx(1000.0, abs=1e-6)
+
+    @pytest.mark.parametrize("cast", [("dancer_1",), ("dancer_1", "dancer_2"), tuple(f"dancer_{i}" for i in range(8))])
+    def test_dances_with_groups_of_any_size(self, name, cast):
+        plan = brief(cast)
+        assert dance(start(name, plan), plan)
+
+    def test_survives_silence(self, name):
+        plan = brief()
+        dance(start(name, plan), plan, missing=1.1)
+
+
+def test_options_are_checked():
+    with pytest.raises(ConfigError, match="lead_s"):
+        build("eca", {"lead": 0.1})
+    with pytest.raises(ConfigError, match="window_s"):
+        build("sia", {"window_s": -1.0})
+    with pytest.raises(ConfigError, match="edges"):
+        build("sia", {"edges": "some"})
+    with pytest.raises(UnknownNameError, match="metronome"):
+        build("tarantella")
+
+
+def test_what_is_no_method_is_named():
+    with pytest.raises(PluginError, match="on_event"):
+        build("collections:OrderedDict")
