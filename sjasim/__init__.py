@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from .analysis.measures import measures
     from .anticipation import synchrony
     from .config import SessionConfig
+    from .logs import SessionLog
     from .session import run_session
-    from .types import SessionLog
 
 __version__ = "0.1.0"
 

@@ -303,7 +303,7 @@ class NetworkConfig:
 
     latency_s: float = 0.015
     jitter_s: float = 0.005
-    loss: float = 0.005
+    loss: float = 0.001
     uplink_extra_s: float = 0.0
     sync_hz: int = 4
     heartbeat_hz: int = 10

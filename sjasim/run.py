@@ -17,7 +17,7 @@ from rich.table import Table
 from . import cli
 from .anticipation import method
 from .config import SessionConfig
-from .types import SessionLog
+from .logs import SessionLog
 
 ABOUT = "One dance session: dancers, sensors, server, robot; its figures as a table."
 

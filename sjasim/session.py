@@ -16,6 +16,7 @@ from .clock import stream
 from .config import SessionConfig
 from .config_io import to_plain
 from .link import Link, LinkQuality
+from .logs import SessionLog
 from .server.dispatch import Dispatcher
 from .server.server import Server
 from .types import (
@@ -27,7 +28,6 @@ from .types import (
     Event,
     MoveCommand,
     RobotState,
-    SessionLog,
     SyncReply,
     dancer_name,
 )
@@ -57,9 +57,7 @@ class Session:
         self.method: Method | None = build(config.method, config.method_options) if robot else None
         self.brief = _brief(self)
         self.server = Server(self.timetable, self.layout, config)
-        self.dispatcher = Dispatcher(
-            self.brief, self.timetable, self.layout, config.robot, config.network.heartbeat_hz
-        )
+        self.dispatcher = Dispatcher(self.brief, self.timetable, self.layout, config.robot, config.network.heartbeat_hz)
         self.world = PhysicsWorld(config, self.timetable, self.layout, robot=robot)
         if self.method is not None:
             self.method.reset(self.brief, stream(config.seed, "anticipation", config.method))
@@ -221,4 +219,3 @@ def _boundaries(session: Session) -> list[tuple[float, int, bool]]:
     iterations = range(table.first, table.last + 1)
     marks = [(table.start_s(k), k, True) for k in iterations] + [(table.close_s(k), k, False) for k in iterations]
     return sorted(marks)
-

@@ -23,6 +23,7 @@ from .humans.motion import Planner
 from .humans.reference import Reference
 from .humans.timing import EnsembleTiming, preset
 from .ledger import Ledger
+from .logs import AgentEvent, Notice
 from .registry import resolve
 from .robot.executor import Executor
 from .robot.odometry import Odometry, RobotEventDetector
@@ -30,7 +31,6 @@ from .sensors.client import Client, Sensing
 from .stage import Stage
 from .types import (
     ROBOT,
-    AgentEvent,
     Array,
     ClientOrder,
     ClientStatus,
@@ -38,7 +38,6 @@ from .types import (
     DeviceEvent,
     Kind,
     MoveCommand,
-    Notice,
     RobotState,
     SyncReply,
     SyncRequest,
@@ -98,6 +97,7 @@ class PhysicsWorld:
         self._dance(config, timetable, layout, robot)
         self._equip(config, layout, robot)
         self.ledger = Ledger(self.stage, self.end_s, config)
+        self._seen = np.full((config.group, 2), np.nan)
         self._outbox: list[Outward] = []
         self._next_iteration = timetable.first
         self._plan()
@@ -232,10 +232,11 @@ class PhysicsWorld:
         for client in self._clients.values():
             client.capture(now, self.stage)
             self._outbox.extend(client.outputs(now))
+        self._seen = self._share_seen(now)
         self.ledger.see(self.stage.joints_m)
 
     def _move(self, now: float) -> None:
-        if self._next_iteration <= self._timetable.last and now >= self._timetable.close_s(self._next_iteration - 1):
+        if now >= self._plan_s:
             self._plan()
         roots = self.stage.roots()
         down = (roots[:, 2] < self._fall_m) & ~self._fallen
@@ -243,9 +244,9 @@ class PhysicsWorld:
             self._fall(now, down)
         tick = round(now * self._config.stage.balance_hz)
         self.stage.apply(self._balance.targets(tick, self.stage.states()))
-        self.ledger.write(now, roots, self.stage, self._seen(now), self._fallen)
+        self.ledger.write(now, roots, self.stage, self._seen, self._fallen)
 
-    def _seen(self, now: float) -> Array:
+    def _share_seen(self, now: float) -> Array:
         """(D, 2) shares of torso and hands that the sensor which is faced could see; NaN if it does not watch."""
         name = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
         seen = np.full((self._config.group, 2), np.nan)
@@ -266,6 +267,7 @@ class PhysicsWorld:
         now = self.time_s
         iteration = self._next_iteration
         self._next_iteration += 1
+        self._plan_s = self._timetable.close_s(iteration) if iteration < self._timetable.last else math.inf
         earliest = np.maximum(self._busy_s, now + 0.5)
         drawn = self._timing.draw(iteration, self._appropriateness(iteration - 1), earliest)
         for index, cues in enumerate(drawn):
@@ -326,4 +328,3 @@ def _with_faults(cues: tuple[Cue, ...], faults: Sequence[FaultConfig]) -> tuple[
 
 def _hit(cue: Cue, fault: FaultConfig) -> bool:
     return cue.dancer == fault.target and cue.t_s >= fault.t_s
-

@@ -14,7 +14,12 @@ from ..anticipation.appropriateness import occurrences, timing_appropriateness
 from ..anticipation.synchrony import Series, group_index, most_synchronous
 from ..choreography.score import Timetable
 from ..config import SessionConfig
-from ..types import ROBOT, AgentEvent, Array, dancer_name
+from ..logs import AgentEvent
+from ..types import (
+    ROBOT,
+    Array,
+    dancer_name,
+)
 
 Events = Sequence[AgentEvent]
 

@@ -12,7 +12,10 @@ import numpy as np
 from ..choreography.score import Timetable
 from ..choreography.timetable import timetable
 from ..config_io import from_plain
-from ..types import ROBOT, AgentEvent, Notice, SessionLog
+from ..logs import AgentEvent, Notice, SessionLog
+from ..types import (
+    ROBOT,
+)
 from .group import Togetherness, net_latencies, together
 from .onsets import dancer_events, robot_events
 from .quality import (

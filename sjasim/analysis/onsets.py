@@ -8,7 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..choreography.score import Timetable
-from ..types import ROBOT, AgentEvent, Array, Cue, Kind, Move, dancer_name
+from ..logs import AgentEvent
+from ..types import (
+    ROBOT,
+    Array,
+    Cue,
+    Kind,
+    Move,
+    dancer_name,
+)
 
 ONSET_M_S = 0.10
 """Speed along the heading whose crossing is a start or a stop; the same 0.10 m/s counts for the robot's odometry."""
@@ -22,8 +30,11 @@ PALMS_M = 0.12
 TURN_RAD_S = 0.4
 """Yaw rate from which the robot turns (iqbal2016)."""
 
-SEEN = 0.5
-"""Share of the joints that matter from which an event counts as visible; assumed."""
+SEEN_SPINE, SEEN_HANDS = 0.5, 1.0
+"""Share of torso or hand joints from which an event counts as visible; both hands are needed; assumed."""
+
+SEEN_AROUND_S = 0.1
+"""For so long before and after an event its joints must be seen; assumed."""
 
 SETTLE_S = 0.4
 """For so long after a turn a dancer's sway is no move; assumed."""
@@ -54,15 +65,20 @@ def dancer_events(
             if cue.dancer == name and cue.move is Move.TURN
         ]
         found = [
-            (t_s, kind, rows["spine_seen"])
+            (t_s, kind)
             for t_s, kind in moves(rows["t_s"], rows["x_m"], rows["y_m"], rows["heading_rad"])
             if not any(begin <= t_s <= end for begin, end in turns)
         ]
-        found += [(t_s, Kind.CLAP, rows["hands_seen"]) for t_s in claps(rows["t_s"], rows["hands_m"])]
-        events += [
-            AgentEvent(timetable.iteration_at(t_s), name, kind, t_s, _seen(rows["t_s"], share, t_s))
-            for t_s, kind, share in found
-        ]
+        found += [(t_s, Kind.CLAP) for t_s in claps(rows["t_s"], rows["hands_m"])]
+        started = False
+        for t_s, kind in sorted(found):
+            hands = kind is Kind.CLAP
+            seen = _seen(rows["t_s"], rows["hands_seen" if hands else "spine_seen"], t_s, hands)
+            if kind in (Kind.START_FORWARD, Kind.START_BACKWARD):
+                started = seen
+            elif not hands:
+                seen = seen and started  # who was not seen to start cannot be seen to stop
+            events.append(AgentEvent(timetable.iteration_at(t_s), name, kind, t_s, seen))
     return sorted(events, key=lambda event: (event.t_s, event.agent))
 
 
@@ -153,7 +169,7 @@ def _middles(t_s: Array) -> Array:
     return np.asarray((t_s[1:] + t_s[:-1]) / 2)
 
 
-def _seen(t_s: Array, share: Array, time: float) -> bool:
-    """Whether the share at the first tick from ``time`` on reaches `SEEN`; NaN, no active sensor, does not."""
-    index = min(int(np.searchsorted(t_s, time)), len(share) - 1)
-    return bool(share[index] >= SEEN)
+def _seen(t_s: Array, share: Array, time: float, hands: bool) -> bool:
+    """Whether enough of the joints is seen at every tick around ``time``; NaN, no active sensor, is not."""
+    near = (t_s >= time - SEEN_AROUND_S) & (t_s <= time + SEEN_AROUND_S)
+    return bool(near.any() and np.all(share[near] >= (SEEN_HANDS if hands else SEEN_SPINE)))

@@ -11,7 +11,14 @@ from numpy.typing import NDArray
 from ..choreography.layout import layout
 from ..choreography.score import Timetable
 from ..config import SessionConfig
-from ..types import AgentEvent, Array, DeviceEvent, Event, Kind, MoveCommand
+from ..logs import AgentEvent
+from ..types import (
+    Array,
+    DeviceEvent,
+    Event,
+    Kind,
+    MoveCommand,
+)
 from .matching import matched
 
 WITHIN_S = 0.4

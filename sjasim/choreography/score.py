@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -92,7 +94,7 @@ class Choreography:
         return before if MOVE_EVENTS[self.moves[index].move] else max(before - 1, 0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Timetable:
     """Session times of a whole dance: where beats fall once lead-in, rehearsal and iterations are laid out.
 
@@ -123,12 +125,13 @@ class Timetable:
         """Session time at which an iteration's window closes [s]."""
         return self.time_s(iteration, self.choreography.close_beat)
 
+    @cached_property
+    def _closings_s(self) -> list[float]:
+        return [self.close_s(iteration) for iteration in range(self.first, self.last)]
+
     def iteration_at(self, t_s: float) -> int:
         """The iteration whose window holds this session time; before the first window the first one."""
-        iteration = self.first
-        while iteration < self.last and t_s > self.close_s(iteration):
-            iteration += 1
-        return iteration
+        return self.first + bisect_left(self._closings_s, t_s)
 
     def end_s(self) -> float:
         """Session time at which the last iteration is over [s]."""

@@ -203,9 +203,7 @@ def _across(name: str, z: float, half: float, radius: float, mass: float) -> Sha
     return Shape(name, "capsule", (0.0, -half, z), (0.0, half, z), (radius,), mass)
 
 
-def _trunk(
-    segments: list[Segment], joints: dict[str, tuple[int, Vector]], h: float, m: float, girth: float
-) -> None:
+def _trunk(segments: list[Segment], joints: dict[str, tuple[int, Vector]], h: float, m: float, girth: float) -> None:
     waist, shoulders = 0.06 * h, 0.288 * h
     pelvis = (_across("pelvis", 0.0, 0.040 * h, 0.056 * h * girth, 0.142 * m),)
     segments.append(Segment("pelvis", -1, (0.0, 0.0, 0.0), (), pelvis))
@@ -221,7 +219,9 @@ def _trunk(
     segments.append(Segment("torso", 0, (0.0, 0.0, waist), abdomen, chest))
     head = (
         Shape("neck", "capsule", (0.0, 0.0, 0.0), (0.0, 0.0, 0.05 * h), (0.030 * h,), 0.011 * m),
-        Shape("head", "ellipsoid", (0.006 * h, 0.0, 0.099 * h), (0, 0, 0), (0.054 * h, 0.044 * h, 0.063 * h), 0.070 * m),
+        Shape(
+            "head", "ellipsoid", (0.006 * h, 0.0, 0.099 * h), (0, 0, 0), (0.054 * h, 0.044 * h, 0.063 * h), 0.070 * m
+        ),
     )
     neck = (Hinge("neck_y", 1, 1, *_degrees(-40, 40)), Hinge("neck_z", 2, 1, *_degrees(-70, 70)))
     segments.append(Segment("head", 1, (0.0, 0.0, shoulders + 0.022 * h - waist), neck, head))
@@ -248,9 +248,7 @@ def _arm(
         Hinge(f"shoulder_x_{side}", 0, sign, *_degrees(-30, 150)),
         Hinge(f"shoulder_z_{side}", 2, sign, *_degrees(-100, 60)),
     )
-    flesh = Shape(
-        f"upper_arm_{side}", "capsule", (0, 0, 0), (0, 0, -upper + 0.03), (0.023 * h * girth,), 0.028 * m
-    )
+    flesh = Shape(f"upper_arm_{side}", "capsule", (0, 0, 0), (0, 0, -upper + 0.03), (0.023 * h * girth,), 0.028 * m)
     row = len(segments)
     segments.append(
         Segment(f"upper_arm_{side}", 1, (0.0, sign * 0.110 * h, (0.288 - 0.06 - 0.012) * h), shoulder, (flesh,))
@@ -300,9 +298,7 @@ def _leg(
     flesh = Shape(f"shank_{side}", "capsule", (0, 0, -0.02), (0, 0, 0.04 - shank), (0.027 * h * girth,), 0.0465 * m)
     segments.append(Segment(f"shank_{side}", row, (0.0, 0.0, -thigh), knee, (flesh,)))
     ankles = (Hinge(f"ankle_y_{side}", 1, 1, *_degrees(-50, 50)), Hinge(f"ankle_x_{side}", 0, 1, *_degrees(-35, 35)))
-    segments.append(
-        Segment(f"foot_{side}", row + 1, (0.0, 0.0, -shank), ankles, _sole(side, h, 0.0145 * m, -ankle))
-    )
+    segments.append(Segment(f"foot_{side}", row + 1, (0.0, 0.0, -shank), ankles, _sole(side, h, 0.0145 * m, -ankle)))
     joints[f"Hip{word}"] = (row, (0.0, 0.0, 0.0))
     joints[f"Knee{word}"] = (row + 1, (0.0, 0.0, 0.0))
     joints[f"Ankle{word}"] = (row + 2, (0.0, 0.0, 0.0))
@@ -319,7 +315,12 @@ def _sole(side: str, h: float, mass: float, floor: float) -> tuple[Shape, ...]:
         f"foot_{side}", "box", (0.036 * h, 0.0, floor + 0.020 * h), (0, 0, 0), (0.074 * h, 0.026 * h, 0.016 * h),
         mass - 4 * each,
     )  # fmt: skip
-    corners = (("heel_out", -0.032, 0.017), ("heel_in", -0.032, -0.017), ("toe_out", 0.104, 0.021), ("toe_in", 0.104, -0.021))
+    corners = (
+        ("heel_out", -0.032, 0.017),
+        ("heel_in", -0.032, -0.017),
+        ("toe_out", 0.104, 0.021),
+        ("toe_in", 0.104, -0.021),
+    )
     return (
         flesh,
         *(

@@ -91,4 +91,3 @@ def clap(arms: Array, times: Array, t_s: float, poses: ArmPoses) -> None:
     pose = poses.stand + (pose - poses.stand) * up * (1.0 - down)
     arms[first:last, :4] = pose
     arms[first:last, 4:] = pose
-

@@ -91,9 +91,7 @@ def com_offsets(
     origin = np.zeros((len(parent), 3))
     total = mass.sum()
     for t in range(len(q)):
-        place(
-            q[t], yaw[t], parent, offset, hinge_segment, hinge_column, hinge_axis, hinge_sign, rotation, origin
-        )
+        place(q[t], yaw[t], parent, offset, hinge_segment, hinge_column, hinge_axis, hinge_sign, rotation, origin)
         for s in range(len(parent)):
             for k in range(3):
                 out[t, k] += mass[s] * (
@@ -108,9 +106,7 @@ def com_offsets(
 
 
 @njit(cache=True)
-def _leg(
-    hip: Array, yaw: float, ankle: Array, foot_yaw: float, thigh: float, shank: float, out: Array
-) -> None:
+def _leg(hip: Array, yaw: float, ankle: Array, foot_yaw: float, thigh: float, shank: float, out: Array) -> None:
     c, s = cos(foot_yaw), sin(foot_yaw)
     dx, dy, z = hip[0] - ankle[0], hip[1] - ankle[1], hip[2] - ankle[2]
     x, y = c * dx + s * dy, c * dy - s * dx

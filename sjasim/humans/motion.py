@@ -29,6 +29,10 @@ LEG_COLUMNS = np.array([[ACTUATED_INDEX[f"{joint}_{side}"] for joint in LEG_JOIN
 ARM_COLUMNS = np.array([ACTUATED_INDEX[f"{joint}_{side}"] for side in "LR" for joint in ARM_JOINTS])
 PREVIEW_S = 1.2
 """How far before a cue its motion begins to show; cues should be known this early."""
+LEAN_S_M = 0.15
+"""The trunk leans into a walk by this angle per speed [rad s/m] (assumed)."""
+LEAN_LEAD_S = 0.10
+"""And does so this early: people lean before they step (assumed)."""
 SETTLE_S = 1.5
 """After the last touch-down a plan stands still within this time."""
 
@@ -86,6 +90,7 @@ class Planner:
         ticks = len(reference.yaw)
         self._times = np.arange(ticks) * self._dt
         self._arms = np.tile(self._poses.stand, (ticks, 2))
+        self._trunk = np.zeros(ticks)
         self._path = np.tile(self._slot, (ticks, 1))
         self._axis = np.full(ticks, heading_rad)
         self._free = np.zeros(ticks, dtype=bool)
@@ -154,6 +159,9 @@ class Planner:
         for step in plan.steps:
             self._steps.swing(step, self._at + step.along * way, self._heading)
         self._at = self._at + profile.distance_m * way
+        since = self._times + LEAN_LEAD_S - cue.t_s
+        near = (since > -profile.rise_s) & (since < profile.duration_s + profile.rise_s)
+        self._trunk[near] += sign * LEAN_S_M * profile.speed(since[near])
         self._swing_arms(cue, profile, plan)
 
     def _swing_arms(self, cue: Cue, profile: SpeedProfile, plan: footsteps.Walk) -> None:
@@ -194,6 +202,7 @@ class Planner:
         free = self._free[span][:, None]
         joints = np.zeros((last - first, 25))
         joints[:, ARM_COLUMNS] = self._arms[span]
+        joints[:, ACTUATED_INDEX["abdomen_y"]] = self._trunk[span]
         offset = np.zeros((last - first, 2))
         pelvis = np.empty((last - first, 3))
         for _ in range(2):

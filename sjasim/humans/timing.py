@@ -149,7 +149,12 @@ class EnsembleTiming:
         times = nominal + scale * p.common_s * self._common() + self._own(own) + self._late[:, None]
         lapses = rng.random((self._dancers, len(self._steps))) < p.lapse
         return tuple(
-            self._cues(dancer, iteration, _ordered(times[dancer], len(self._steps), float(not_before_s[dancer])), lapses[dancer])
+            self._cues(
+                dancer,
+                iteration,
+                _ordered(times[dancer], len(self._steps), float(not_before_s[dancer])),
+                lapses[dancer],
+            )
             for dancer in range(self._dancers)
         )
 

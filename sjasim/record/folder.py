@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import RecordError
-from ..types import SessionLog
+from ..logs import SessionLog
 from .tables import COLUMN_TABLES, ROW_TYPES, read_columns, read_rows, write_columns, write_rows
 
 SCHEMA = 1

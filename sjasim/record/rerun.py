@@ -25,7 +25,11 @@ from ..choreography.layout import Mount, layout
 from ..choreography.timetable import timetable
 from ..config import SensorConfig, SessionConfig
 from ..config_io import from_plain
-from ..types import ROBOT, SessionLog, dancer_name
+from ..logs import SessionLog
+from ..types import (
+    ROBOT,
+    dancer_name,
+)
 
 TIMELINE = "session_time"
 FRAME_HZ = 30

@@ -19,7 +19,13 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ..errors import RecordError
-from ..types import AgentEvent, Cue, Decision, DeviceEvent, Event, MoveCommand, Notice
+from ..logs import AgentEvent, Decision, Notice
+from ..types import (
+    Cue,
+    DeviceEvent,
+    Event,
+    MoveCommand,
+)
 
 ROW_TYPES: Mapping[str, type] = {
     "cues": Cue,

@@ -25,7 +25,8 @@ class Glimpse(NamedTuple):
         towards: how many of SpineMid, Neck and both shoulders moved towards the sensor by more than the floor.
         away: the same away from the sensor.
         tracked: how many of the four are tracked; the others are not counted above.
-        hand_ratio: hand distance over shoulder distance in the sensor's x-y plane; NaN unless all four are tracked.
+        hand_ratio: hand distance over shoulder distance in the sensor's x-y plane; NaN unless both hands are tracked.
+            The shoulders are its scale only, and may be inferred: raised forearms hide them.
         yaw_rad: heading relative to facing the sensor, counter-clockwise from above; NaN if a hip is missing.
         yaw_rate_rad_s: its rate over the same frames as the speed.
     """
@@ -93,8 +94,8 @@ _STATES = np.array(
     [JOINT_INDEX[name] for name in ("SpineMid", "Neck", "ShoulderLeft", "ShoulderRight", "HandLeft", "HandRight")]
 )
 
-_HANDS_TRACKED = [TRACKED] * 4
-"""The last four of `_STATES` when a clap can be seen."""
+_HANDS_TRACKED = [TRACKED] * 2
+"""The last two of `_STATES` when a clap can be seen."""
 
 
 def places(joints: Array) -> list[Places]:
@@ -164,7 +165,7 @@ class Glimpses:
                 speed = (oldest.places[row].base_z - place.base_z) / self.span_s
                 turned = math.remainder(yaw - oldest.yaws[row], math.tau) / self.span_s
             towards, away, tracked = _compare(place, before.places[row], states[row], floor_m)
-            ratio = place.hand_ratio() if states[row][2:] == _HANDS_TRACKED else math.nan
+            ratio = place.hand_ratio() if states[row][4:] == _HANDS_TRACKED else math.nan
             seen.append(Glimpse(speed, towards, away, tracked, ratio, yaw, turned))
         self._past.append(_Past(t_s, now, [glimpse.yaw_rad for glimpse in seen]))
         return seen

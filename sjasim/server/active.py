@@ -9,7 +9,10 @@ from dataclasses import dataclass, field
 from ..assets.names import CARDINALS
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
-from ..types import ClientStatus, Notice
+from ..logs import Notice
+from ..types import (
+    ClientStatus,
+)
 
 OVERLAP_BEAT = 31.0
 """Beat of an iteration from which the next client watches too: one before the clap."""

@@ -9,10 +9,10 @@ from collections.abc import Iterable
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
 from ..config import RobotConfig
+from ..logs import Decision
 from ..types import (
     Answer,
     Brief,
-    Decision,
     Intention,
     Kind,
     Move,

@@ -44,6 +44,11 @@ class Persons:
         index = self._index.get(sensor, {}).get(person)
         return None if index is None else self._names[index]
 
+    def local(self, sensor: str, name: str) -> int | None:
+        """A sensor's own identity for a member of the cast; None where it does not see them."""
+        index = self._names.index(name)
+        return next((person for person, known in self._index.get(sensor, {}).items() if known == index), None)
+
     def update(self, sensor: str, t_s: float, persons: Sequence[PersonStatus]) -> None:
         """Take in where a sensor sees whom.
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
 from ..config import SessionConfig
+from ..logs import Notice
 from ..types import (
     ClientOrder,
     ClientStatus,
     DeviceEvent,
     Event,
-    Notice,
+    Kind,
+    MoveDuration,
     SyncReply,
     SyncRequest,
     dancer_name,
@@ -19,6 +21,8 @@ from .active import ActiveClient
 from .clock_sync import MARGIN_S, ClockSync
 from .merge import Merger
 from .persons import Persons
+
+_STOP_OF = {Kind.START_FORWARD: Kind.STOP_FORWARD, Kind.START_BACKWARD: Kind.STOP_BACKWARD}
 
 ORDER_S = 0.5
 """How often every client is told anew whether to watch, so that a lost order does no harm."""
@@ -64,6 +68,8 @@ class Server:
         self._order_due_s = 0.0
         self._ordered: frozenset[str] | None = None
         self._nameless: set[tuple[str, int]] = set()
+        self._started: dict[str, Event] = {}
+        self._logged: dict[tuple[str, Kind], float] = {}
         self.notices: list[Notice] = []
 
     @property
@@ -100,7 +106,10 @@ class Server:
         self.notices += self._active.heard(t_arrival_s, message.sensor)
         if isinstance(message, DeviceEvent):
             event = self._event(t_arrival_s, message)
-            return [] if event is None else [event]
+            if event is None:
+                return []
+            self._learn(event)
+            return [event]
         if isinstance(message, SyncReply):
             jump = self._clocks[message.sensor].add(message, t_arrival_s)
             if jump:
@@ -123,10 +132,32 @@ class Server:
                 self._sync_due_s[sensor] = due_s + (missed + 1) * self._sync_s
         watching = self._active.watching(t_s)
         if t_s >= self._order_due_s or watching != self._ordered:
-            out += [ClientOrder(sensor, sensor in watching) for sensor in self._clocks]
+            out += [
+                ClientOrder(sensor, sensor in watching, self._durations(sensor) if sensor in watching else ())
+                for sensor in self._clocks
+            ]
             self._order_due_s = t_s + ORDER_S
             self._ordered = watching
         return out
+
+    def _durations(self, sensor: str) -> tuple[MoveDuration, ...]:
+        """What the other clients logged of everybody, in the terms of one sensor."""
+        return tuple(
+            MoveDuration(person, start, duration_s)
+            for (name, start), duration_s in self._logged.items()
+            if (person := self._persons.local(sensor, name)) is not None
+        )
+
+    def _learn(self, event: Event) -> None:
+        """Keep the duration of a move from its logged events."""
+        if event.early:
+            return
+        if event.kind in _STOP_OF:
+            self._started[event.person] = event
+        else:
+            start = self._started.pop(event.person, None)
+            if start is not None and _STOP_OF[start.kind] is event.kind:
+                self._logged[event.person, start.kind] = event.t_s - start.t_s
 
     def _event(self, t_arrival_s: float, report: DeviceEvent) -> Event | None:
         person = self._persons.name(report.sensor, report.person)

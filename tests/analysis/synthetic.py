@@ -8,18 +8,15 @@ from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
 from sjasim.config_io import to_plain
+from sjasim.logs import AgentEvent, Decision, Notice, SessionLog
 from sjasim.types import (
     ROBOT,
-    AgentEvent,
     Cue,
-    Decision,
     DeviceEvent,
     Event,
     Kind,
     Move,
     MoveCommand,
-    Notice,
-    SessionLog,
     dancer_name,
 )
 
