@@ -5,6 +5,8 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Iterable
+from dataclasses import replace
+from statistics import median
 
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
@@ -35,6 +37,13 @@ MOVES = {
 SPEED_M_S = (0.15, 0.40)
 """Slowest and fastest cruise of a corrected move [m/s]: slower is hardly seen as a move, faster starts too late."""
 
+CRAWL_M_S = 0.13
+"""Speed of a move that has reached its end and not been stopped: still a move to odometry (.10 m/s), and as little
+farther off as possible; assumed."""
+
+PAST_M = 0.05
+"""How far past its end a move crawls (assumed)."""
+
 SHORTEST_S = 0.5
 """Shortest duration a move is planned for [s]."""
 
@@ -47,7 +56,8 @@ class Dispatcher:
 
     A step behind one that has been sent is ignored: the robot never goes back in the score. The current command
     is repeated with its own number at the heartbeat's rate, so that a lost packet costs one beat and a silent link
-    stops the base; a standing robot hears STOP repeated.
+    stops the base; a standing robot hears STOP repeated. The copies of a move that nobody stops slow it down to a
+    crawl where it should have ended, or else one lost stop would leave the robot a metre from its slot.
 
     Args:
         brief: the dance.
@@ -125,6 +135,7 @@ class Dispatcher:
                     out.append(self._send(t_s, key, item))
             self._pending_s = min((item.t_s for item in self._pending.values()), default=math.inf)
         if not out and self._repeat_s <= t_s and self._current is not None:
+            self._current = self._paced(self._current)
             out.append(self._current)
             self._repeat_s = t_s + self._beat_s
         return out
@@ -188,6 +199,17 @@ class Dispatcher:
         low, high = SPEED_M_S
         return min(max(speed, low), high, self._robot.max_speed_m_s)
 
+    def _paced(self, command: MoveCommand) -> MoveCommand:
+        """The command again; at a crawl once its move is past its end."""
+        ahead = self._ahead_m(command.iteration)
+        if command.move is Move.FORWARD:
+            past = ahead - self._robot.cruise_m_s * self._nominal_s(command.ordinal)
+        elif command.move is Move.BACKWARD:
+            past = -ahead
+        else:
+            return command
+        return replace(command, speed_m_s=CRAWL_M_S) if past > PAST_M else command
+
     def _ahead_m(self, iteration: int) -> float:
         """Where the robot will have come to rest, along the iteration's heading from its slot [m]."""
         state = self._state
@@ -198,14 +220,21 @@ class Dispatcher:
         speed = state.step_m * self._robot.odometry_hz
         return ahead + speed * abs(speed) / (2.0 * self._robot.acceleration_m_s2)
 
+    def _nominal_s(self, ordinal: int) -> float:
+        """Time from a step to the next one by the score."""
+        then = self._steps.get(ordinal + 1)
+        return (then.beat - self._steps[ordinal].beat) * self._brief.beat_s if then is not None else SHORTEST_S
+
     def _duration_s(self, key: Key) -> float:
-        """Expected time from this step's command to the next one's: the last iteration's, else the score's."""
+        """Expected time from this step's command to the next one's: the median of the score's and what it took."""
         iteration, ordinal = key
-        here, then = self._steps[ordinal], self._steps.get(ordinal + 1)
-        nominal = (then.beat - here.beat) * self._brief.beat_s if then is not None else SHORTEST_S
-        start, stop = self._sent_s.get((iteration - 1, ordinal)), self._sent_s.get((iteration - 1, ordinal + 1))
-        expected = stop - start if start is not None and stop is not None else nominal
-        return max(SHORTEST_S, min(expected, 2.0 * nominal))
+        nominal = self._nominal_s(ordinal)
+        spans = [nominal]
+        for before in range(1, iteration):
+            start, stop = self._sent_s.get((before, ordinal)), self._sent_s.get((before, ordinal + 1))
+            if start is not None and stop is not None:
+                spans.append(stop - start)
+        return max(SHORTEST_S, min(median(spans), 2.0 * nominal))
 
     def _log(self, t_s: float, key: Key, action: str, item: Intention, refusal: str = "") -> None:
         step = self._steps.get(key[1])

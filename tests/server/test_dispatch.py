@@ -157,9 +157,20 @@ def test_a_robot_that_still_rolls_is_judged_where_it_will_stop(dispatcher, world
     assert dispatcher.due(0.0)[0].speed_m_s == pytest.approx(0.445 / (4 * BEAT_S))
 
 
-def test_the_last_iterations_duration_is_expected_again(dispatcher, world):
+def test_the_median_of_the_score_and_of_what_it_took_is_expected(dispatcher, world):
     dispatcher.answer(0.0, [Intention(1, 2, 10.0, ""), Intention(1, 3, 11.5, "")])
     run(dispatcher, 9.9, 11.6)
     dispatcher.robot(state(world, 2, 0.45))
     dispatcher.answer(20.0, [Intention(2, 2, 20.0, "")])
-    assert dispatcher.due(20.0)[0].speed_m_s == pytest.approx(0.45 / 1.5, rel=0.01)
+    assert dispatcher.due(20.0)[0].speed_m_s == pytest.approx(0.45 / ((1.5 + 4 * 60 / 118) / 2), rel=0.01)
+
+
+def test_a_move_that_nobody_stops_crawls_past_its_end(dispatcher, world):
+    dispatcher.answer(0.0, [Intention(1, 0, 5.0, "")])
+    (command,) = dispatcher.due(5.0)
+    dispatcher.robot(state(world, 1, 0.5))
+    (copy,) = dispatcher.due(dispatcher.next_due_s)
+    assert (copy.number, copy.speed_m_s) == (command.number, command.speed_m_s)
+    dispatcher.robot(state(world, 1, 0.6))
+    (copy,) = dispatcher.due(dispatcher.next_due_s)
+    assert (copy.number, copy.move, copy.speed_m_s) == (command.number, Move.FORWARD, 0.13)
