@@ -12,7 +12,7 @@ from typing import Protocol, cast
 
 import numpy as np
 
-from .assets.names import CARDINALS, JOINT_INDEX
+from .assets.names import CARDINALS
 from .choreography.layout import Layout
 from .choreography.score import Timetable
 from .clock import DeviceClock, Task, stream
@@ -31,7 +31,6 @@ from .sensors.client import Client, Sensing
 from .stage import Stage
 from .types import (
     ROBOT,
-    Array,
     ClientOrder,
     ClientStatus,
     Cue,
@@ -50,8 +49,6 @@ Inward = MoveCommand | SyncRequest | ClientOrder
 Outward = DeviceEvent | ClientStatus | SyncReply | RobotState
 """What a world's devices send."""
 
-_TORSO = [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "ShoulderLeft", "ShoulderRight")]
-_HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "WristRight")]
 FALLEN_SHARE = 0.65
 """A dancer whose pelvis is below this share of its standing height has fallen."""
 STATE_HZ = 10
@@ -97,7 +94,6 @@ class PhysicsWorld:
         self._dance(config, timetable, layout, robot)
         self._equip(config, layout, robot)
         self.ledger = Ledger(self.stage, self.end_s, config)
-        self._seen = np.full((config.group, 2), np.nan)
         self._outbox: list[Outward] = []
         self._next_iteration = timetable.first
         self.plan()
@@ -235,8 +231,10 @@ class PhysicsWorld:
             client.capture(now, self.stage)
             self._outbox.extend(client.outputs(now))
         self.stage.check()
-        self._seen = self._share_seen(now)
-        self.ledger.see(self.stage.joints_m)
+        faced = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
+        sensing = self._sensing[faced]
+        watched = self._clients[faced].watches(now)
+        self.ledger.see(self.stage.joints_m, sensing.visible if watched else None, sensing.dancers)
 
     def _move(self, now: float) -> None:
         if now >= self._plan_s:
@@ -247,17 +245,7 @@ class PhysicsWorld:
             self._fall(now, down)
         tick = round(now * self._config.stage.balance_hz)
         self.stage.apply(self.balance.targets(tick, self.stage.states()))
-        self.ledger.write(now, roots, self.stage, self._seen, self._fallen)
-
-    def _share_seen(self, now: float) -> Array:
-        """(D, 2) shares of torso and hands that the sensor which is faced could see; NaN if it does not watch."""
-        name = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
-        seen = np.full((self._config.group, 2), np.nan)
-        if self._clients[name].watches(now):
-            sensing = self._sensing[name]
-            seen[sensing.dancers, 0] = sensing.visible[:, _TORSO].mean(axis=1)
-            seen[sensing.dancers, 1] = sensing.visible[:, _HANDS].mean(axis=1)
-        return seen
+        self.ledger.write(now, roots, self.stage, self._fallen)
 
     def _fall(self, now: float, down: np.ndarray) -> None:
         self._fallen |= down
