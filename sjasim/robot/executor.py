@@ -53,9 +53,8 @@ EXECUTABLE = (Move.FORWARD, Move.BACKWARD, Move.STOP, Move.TURN)
 
 class Executor:
     """Carries out move commands, one at a time; a higher number replaces a lower one after its own dead time.
-    A copy of the one under way may carry another speed, which is taken at once.
 
-    A base that hears nothing for ``command_timeout_s`` during a move ramps to a stop; a copy of the command that
+    A copy of the one under way may carry another speed, which is taken at once. A base that hears nothing for ``command_timeout_s`` during a move ramps to a stop; a copy of the command that
     arrives later lets it go on. A finished turn and a stop have nothing to time out.
 
     Attributes:
@@ -92,8 +91,9 @@ class Executor:
         return self._stalled > STALL_S
 
     def receive(self, t_s: float, command: MoveCommand) -> None:
-        """Hear a command; a copy of the newest shows that the link lives, and may change the speed of a move under
-        way; an older one is ignored.
+        """Hear a command; an older one is ignored.
+
+        A copy of the newest shows that the link lives, and may change the speed of the move under way.
 
         Args:
             t_s: session time of arrival.

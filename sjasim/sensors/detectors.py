@@ -6,7 +6,8 @@ Forward is towards the sensor. Nothing here knows the choreography. What the rul
   turns away gives no event, and a move during which a person turns away gets no stop.
 * After a reset, after facing the sensor anew, and after having been out of sight for `LOST_S`, a person must first be
   seen standing; a motion already under way gives no event. Whoever comes back into sight still in the same move goes
-  on with it; a stop or a start that happened out of sight is nobody's event, since its time is not known. While a person turns faster than `TURNING_RAD_S` the times that arm the start events begin anew.
+  on with it; a stop or a start that happened out of sight is nobody's event, since its time is not known. While a
+  person turns faster than `TURNING_RAD_S` the times that arm the start events begin anew.
 * A SpineBase that is inferred serves the regular events. Early events count tracked joints only, since errors of
   inferred ones exceed the floor. A clap needs both hands and both shoulders tracked in the three frames around its
   minimum: a hand the sensor cannot see is worth some 10 cm of error, and a guessed clap is worse than a lost one.

@@ -11,8 +11,9 @@ from statistics import median
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
 from ..config import RobotConfig
-from ..logs import Decision
+from ..logs import Decision, Notice
 from ..types import (
+    ROBOT,
     Answer,
     Brief,
     Intention,
@@ -42,10 +43,16 @@ CRAWL_M_S = 0.13
 farther off as possible; assumed."""
 
 PAST_M = 0.05
-"""How far past its end a move crawls (assumed)."""
+"""So far past its end a move begins to crawl (assumed)."""
+
+HALT_M = 0.20
+"""And so far past it the server halts it, whatever the method says: the next place is somebody else's (assumed)."""
 
 SHORTEST_S = 0.5
 """Shortest duration a move is planned for [s]."""
+
+SILENCE_S = 1.0
+"""A robot that says nothing for so long is dead: ten reports missed."""
 
 Key = tuple[int, int]
 """Iteration and ordinal."""
@@ -57,7 +64,8 @@ class Dispatcher:
     A step behind one that has been sent is ignored: the robot never goes back in the score. The current command
     is repeated with its own number at the heartbeat's rate, so that a lost packet costs one beat and a silent link
     stops the base; a standing robot hears STOP repeated. The copies of a move that nobody stops slow it down to a
-    crawl where it should have ended, or else one lost stop would leave the robot a metre from its slot.
+    crawl where it should have ended, and soon halt it, or else one lost stop would leave the robot a metre from its
+    slot.
 
     Args:
         brief: the dance.
@@ -84,7 +92,10 @@ class Dispatcher:
         self._repeat_s = math.inf
         self._pending_s = math.inf
         self._state: RobotState | None = None
+        self._heard_s = 0.0
+        self._alive = True
         self.decisions: list[Decision] = []
+        self.notices: list[Notice] = []
 
     @property
     def next_due_s(self) -> float:
@@ -96,9 +107,20 @@ class Dispatcher:
         """The command in force, or None before the first one."""
         return self._current
 
-    def robot(self, state: RobotState) -> None:
-        """Take in where the robot believes it is."""
-        self._state = state
+    def robot(self, t_arrival_s: float, state: RobotState) -> None:
+        """Take in where the robot believes it is; a report overtaken by a later one is a sign of life only."""
+        self._heard_s = t_arrival_s
+        if not self._alive:
+            self._alive = True
+            self.notices.append(Notice(t_arrival_s, ROBOT, "robot is back"))
+        if self._state is None or state.t_s >= self._state.t_s:
+            self._state = state
+
+    def listen(self, t_s: float) -> None:
+        """Notice by session time ``t_s`` a robot that says nothing any more."""
+        if self._alive and t_s - self._heard_s > SILENCE_S:
+            self._alive = False
+            self.notices.append(Notice(t_s, ROBOT, f"robot is dead: silent for more than {SILENCE_S:g} s"))
 
     def answer(self, t_s: float, answers: Iterable[Answer]) -> None:
         """Take in a method's answers, given at session time ``t_s``.
@@ -200,7 +222,7 @@ class Dispatcher:
         return min(max(speed, low), high, self._robot.max_speed_m_s)
 
     def _paced(self, command: MoveCommand) -> MoveCommand:
-        """The command again; at a crawl once its move is past its end."""
+        """The command again; at a crawl once its move is past its end, and with speed 0 far past it."""
         ahead = self._ahead_m(command.iteration)
         if command.move is Move.FORWARD:
             past = ahead - self._robot.cruise_m_s * self._nominal_s(command.ordinal)
@@ -208,7 +230,9 @@ class Dispatcher:
             past = -ahead
         else:
             return command
-        return replace(command, speed_m_s=CRAWL_M_S) if past > PAST_M else command
+        if command.speed_m_s == 0.0 or past <= PAST_M:
+            return command
+        return replace(command, speed_m_s=CRAWL_M_S if past < HALT_M else 0.0)
 
     def _ahead_m(self, iteration: int) -> float:
         """Where the robot will have come to rest, along the iteration's heading from its slot [m]."""
