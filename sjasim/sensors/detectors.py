@@ -2,8 +2,9 @@
 
 Forward is towards the sensor. Nothing here knows the choreography. What the rules add to the bare thresholds:
 
-* Motion and clap count only while the person faces the sensor within `FACING_RAD`. Someone who stands sideways or
-  turns away gives no event, and a move during which a person turns away gets no stop.
+* Motion counts only while the person faces the sensor, or turns their back to it, within `FACING_RAD`; a clap only
+  face to face. Someone who stands sideways gives no event, and a move during which a person turns away gets no stop.
+  Seen from behind, too, forward is towards the sensor: who knows where people face has to exchange the kinds.
 * After a reset, after facing the sensor anew, and after having been out of sight for `LOST_S`, a person must first be
   seen standing; a motion already under way gives no event. Whoever comes back into sight still in the same move goes
   on with it; a stop or a start that happened out of sight is nobody's event, since its time is not known. While a
@@ -114,10 +115,11 @@ class MotionDetector:
         Returns:
             the early event and the regular one that this frame shows, each or None.
         """
-        if abs(seen.yaw_rad) > FACING_RAD or self._missed_out(t_s, seen):
+        aside = FACING_RAD < abs(seen.yaw_rad) < math.pi - FACING_RAD
+        if aside or self._missed_out(t_s, seen):
             self.reset()
         if self._phase is _Phase.UNSETTLED:
-            if abs(seen.yaw_rad) <= FACING_RAD and abs(seen.speed_m_s) < self._c.off_m_s:
+            if not (aside or math.isnan(seen.yaw_rad)) and abs(seen.speed_m_s) < self._c.off_m_s:
                 self._enter(_Phase.STANDING, t_s)
         elif self._phase is not _Phase.STANDING:
             moved_s = t_s - self._since_s + _ROUNDING_S
