@@ -203,7 +203,7 @@ def run_session(config: SessionConfig, progress: Callable[[float], None] | None 
     while session.time_s < session.end_s - 1e-9:
         session.advance(min(session.time_s + 1.0, session.end_s))
         if progress is not None:
-            progress(session.time_s / session.end_s)
+            progress(min(session.time_s / session.end_s, 1.0))
     return session.log()
 
 
