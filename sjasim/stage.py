@@ -240,9 +240,10 @@ class Stage:
         """Write the hands' centres, (D, 2, 3) left and right [m]."""
         self._site_xpos.take(self._hands, axis=0, out=out)
 
-    def roots(self) -> Array:
-        """(D, 6) pelvis x, y, z [m], yaw, pitch, roll [rad]."""
-        return self._qpos.take(self._root)
+    @property
+    def heights_m(self) -> Array:
+        """(D,) heights of the pelvises [m]."""
+        return self._qpos.take(self._root[:, 2])
 
     def copy_tether(self, out: Array) -> None:
         """Write the tethers' force x, y [N] and torque yaw, pitch, roll [Nm], (D, 5); without tethers nothing."""

@@ -51,7 +51,7 @@ Outward = DeviceEvent | ClientStatus | SyncReply | RobotState
 
 FALLEN_SHARE = 0.65
 """A dancer whose pelvis is below this share of its standing height has fallen."""
-STATE_HZ = 10
+STATE_HZ = 5
 """How often the robot reports its state to the server."""
 
 
@@ -95,6 +95,7 @@ class PhysicsWorld:
         self._equip(config, layout, robot)
         self.ledger = Ledger(self.stage, self.end_s, config)
         self._outbox: list[Outward] = []
+        self._check_s = 0.0
         self._next_iteration = timetable.first
         self.plan()
 
@@ -171,6 +172,9 @@ class PhysicsWorld:
         """See `World`; instants between two ticks count as the later one."""
         self._outbox = []
         now = self.time_s
+        if now >= self._check_s:
+            self.stage.check()
+            self._check_s = now + 1.0
         for t_arrival_s, message in inputs:
             if isinstance(message, MoveCommand):
                 self._executor.receive(now, message)
@@ -230,22 +234,20 @@ class PhysicsWorld:
         for client in self._clients.values():
             client.capture(now, self.stage)
             self._outbox.extend(client.outputs(now))
-        self.stage.check()
         faced = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
         sensing = self._sensing[faced]
         watched = self._clients[faced].watches(now)
+        down = (self.stage.heights_m < self._fall_m) & ~self._fallen
+        if down.any():
+            self._fall(now, down)
         self.ledger.see(self.stage.joints_m, sensing.visible if watched else None, sensing.dancers)
 
     def _move(self, now: float) -> None:
         if now >= self._plan_s:
             self.plan()
-        roots = self.stage.roots()
-        down = (roots[:, 2] < self._fall_m) & ~self._fallen
-        if down.any():
-            self._fall(now, down)
-        tick = round(now * self._config.stage.balance_hz)
-        self.stage.apply(self.balance.targets(tick, self.stage.states()))
-        self.ledger.write(now, roots, self.stage, self._fallen)
+        states = self.stage.states()
+        self.stage.apply(self.balance.targets(round(now * self._config.stage.balance_hz), states))
+        self.ledger.write(now, states.root, self.stage, self._fallen)
 
     def _fall(self, now: float, down: np.ndarray) -> None:
         self._fallen |= down
