@@ -51,6 +51,8 @@ Outward = DeviceEvent | ClientStatus | SyncReply | RobotState
 
 FALLEN_SHARE = 0.65
 """A dancer whose pelvis is below this share of its standing height has fallen."""
+CHECK_S = 0.2
+"""How often falls are looked for [s]."""
 STATE_HZ = 5
 """How often the robot reports its state to the server."""
 
@@ -173,8 +175,7 @@ class PhysicsWorld:
         self._outbox = []
         now = self.time_s
         if now >= self._check_s:
-            self.stage.check()
-            self._check_s = now + 1.0
+            self._check(now)
         for t_arrival_s, message in inputs:
             if isinstance(message, MoveCommand):
                 self._executor.receive(now, message)
@@ -237,9 +238,6 @@ class PhysicsWorld:
         faced = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
         sensing = self._sensing[faced]
         watched = self._clients[faced].watches(now)
-        down = (self.stage.heights_m < self._fall_m) & ~self._fallen
-        if down.any():
-            self._fall(now, down)
         self.ledger.see(self.stage.joints_m, sensing.visible if watched else None, sensing.dancers)
 
     def _move(self, now: float) -> None:
@@ -249,7 +247,11 @@ class PhysicsWorld:
         self.stage.apply(self.balance.targets(round(now * self._config.stage.balance_hz), states))
         self.ledger.write(now, states.root, self.stage, self._fallen)
 
-    def _fall(self, now: float, down: np.ndarray) -> None:
+    def _check(self, now: float) -> None:
+        """Now and then: is the physics sound, has anybody fallen?"""
+        self._check_s = now + CHECK_S
+        self.stage.check()
+        down = (self.stage.heights_m < self._fall_m) & ~self._fallen
         self._fallen |= down
         for index in np.flatnonzero(down):
             self.stage.let_go(int(index))
