@@ -26,8 +26,8 @@ ODOMETRY_COLUMNS = (
 _TORSO = [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "ShoulderLeft", "ShoulderRight")]
 _HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "WristRight")]
 
-FEEL_EVERY = 3
-"""The floor's force is taken at every third tick of the robot."""
+FEEL_EVERY = 7
+"""The floor's force is taken at every seventh tick of the robot, out of step with the controller's."""
 
 
 class Ledger:

@@ -51,7 +51,9 @@ Outward = DeviceEvent | ClientStatus | SyncReply | RobotState
 
 FALLEN_SHARE = 0.65
 """A dancer whose pelvis is below this share of its standing height has fallen."""
-STATE_HZ = 10
+CHECK_S = 0.2
+"""How often falls are looked for [s]."""
+STATE_HZ = 5
 """How often the robot reports its state to the server."""
 
 
@@ -95,6 +97,7 @@ class PhysicsWorld:
         self._equip(config, layout, robot)
         self.ledger = Ledger(self.stage, self.end_s, config)
         self._outbox: list[Outward] = []
+        self._check_s = 0.0
         self._next_iteration = timetable.first
         self.plan()
 
@@ -170,6 +173,8 @@ class PhysicsWorld:
         """See `World`; instants between two ticks count as the later one."""
         self._outbox = []
         now = self.time_s
+        if now >= self._check_s:
+            self._check(now)
         for t_arrival_s, message in inputs:
             if isinstance(message, MoveCommand):
                 if now < self._dead_from_s:
@@ -233,7 +238,6 @@ class PhysicsWorld:
         for client in self._clients.values():
             client.capture(now, self.stage)
             self._outbox.extend(client.outputs(now))
-        self.stage.check()
         faced = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
         sensing = self._sensing[faced]
         watched = self._clients[faced].watches(now)
@@ -242,15 +246,15 @@ class PhysicsWorld:
     def _move(self, now: float) -> None:
         if now >= self._plan_s:
             self.plan()
-        roots = self.stage.roots()
-        down = (roots[:, 2] < self._fall_m) & ~self._fallen
-        if down.any():
-            self._fall(now, down)
-        tick = round(now * self._config.stage.balance_hz)
-        self.stage.apply(self.balance.targets(tick, self.stage.states()))
-        self.ledger.write(now, roots, self.stage, self._fallen)
+        states = self.stage.states()
+        self.stage.apply(self.balance.targets(round(now * self._config.stage.balance_hz), states))
+        self.ledger.write(now, states.root, self.stage, self._fallen)
 
-    def _fall(self, now: float, down: np.ndarray) -> None:
+    def _check(self, now: float) -> None:
+        """Now and then: is the physics sound, has anybody fallen?"""
+        self._check_s = now + CHECK_S
+        self.stage.check()
+        down = (self.stage.heights_m < self._fall_m) & ~self._fallen
         self._fallen |= down
         for index in np.flatnonzero(down):
             self.stage.let_go(int(index))

@@ -14,8 +14,8 @@ from ..assets.names import JOINT_INDEX, JOINTS
 from ..choreography.layout import Mount
 from ..config import SensorConfig
 from ..registry import register
-from ..types import Array, IntArray, Skeletons, StageView
-from .sight import BoolArray, age, aim, judge, observe
+from ..types import Array, BoolArray, IntArray, Skeletons, StageView
+from .sight import age, locate, observe
 
 FLESH_M = 0.20
 """A ray that first meets the joint's own dancer so close before the joint counts as reaching it (assumed)."""
@@ -84,7 +84,8 @@ class JointsSensing:
         self._arm = np.tile(_ARM, group)
         self._hidden = np.where(self._arm, config.hidden_factor_hand, config.hidden_factor)
         self._factor: Array = np.empty(0)
-        self._directions, self._local, self._distances = np.empty((size, 3)), np.empty((size, 3)), np.empty(size)
+        self._owners = self.dancers.repeat(len(JOINTS))
+        self._local = np.empty((size, 3))
         self._in_view, self._reached = np.zeros(size, dtype=bool), self.visible.reshape(-1)
         self._noises: list[Array] = []
         self._paces: dict[int, tuple[float, float, Array]] = {}
@@ -101,13 +102,10 @@ class JointsSensing:
         """
         if self._config.frame_loss and self._losses.random() < self._config.frame_loss:
             return None
-        aim(
-            view.joints_m, self._mount.position, self._sensor_from_world, self.dancers, self._directions,
-            self._distances, self._local,
-        )  # fmt: skip
-        hits, owners = view.first_hits(self._mount.position, self._directions)
-        judge(
-            self._local, self._distances, hits, owners, self.dancers, self._limits, FLESH_M, self._in_view,
+        points = view.joints_m.take(self.dancers, axis=0).reshape(-1, 3)
+        hidden = view.hidden(self._mount.position, points, self._owners, FLESH_M)
+        locate(
+            points, self._mount.position, self._sensor_from_world, self._limits, hidden, self._local, self._in_view,
             self._reached,
         )  # fmt: skip
         self._age(view.time_s)

@@ -1,74 +1,43 @@
-"""What one sensor makes of true joints, compiled: aiming at them, and the error and state of each."""
+"""What one sensor makes of true joints, compiled: where they are in its view, and the error and state of each."""
 
 from __future__ import annotations
-
-from math import sqrt
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..types import INFERRED, NOT_TRACKED, TRACKED, Array, IntArray
-
-BoolArray = NDArray[np.bool_]
+from ..types import INFERRED, NOT_TRACKED, TRACKED, Array, BoolArray, IntArray
 
 
 @njit(cache=True)
-def aim(
-    joints: Array, position: Array, sensor_from_world: Array, dancers: IntArray, directions: Array, distances: Array,
-    local: Array,
-) -> None:  # fmt: skip
-    """Write the way from the sensor to every joint.
-
-    Args:
-        joints: (D, J, 3) world positions of the dancers' joints [m].
-        position: (3,) the sensor's [m].
-        sensor_from_world: (3, 3) rotation.
-        dancers: (P,) the dancer behind each person.
-        directions: (P J, 3) output, unit vectors in world axes.
-        distances: (P J,) output [m].
-        local: (P J, 3) output, positions in the sensor's frame [m].
-    """
-    n = 0
-    for dancer in dancers:
-        for j in range(joints.shape[1]):
-            x, y, z = (
-                joints[dancer, j, 0] - position[0],
-                joints[dancer, j, 1] - position[1],
-                joints[dancer, j, 2] - position[2],
-            )
-            far = sqrt(x * x + y * y + z * z)
-            distances[n] = far
-            directions[n, 0], directions[n, 1], directions[n, 2] = x / far, y / far, z / far
-            for k in range(3):
-                local[n, k] = sensor_from_world[k, 0] * x + sensor_from_world[k, 1] * y + sensor_from_world[k, 2] * z
-            n += 1
-
-
-@njit(cache=True)
-def judge(
-    local: Array, distances: Array, hits: Array, owners: IntArray, dancers: IntArray, limits: Array, flesh_m: float,
+def locate(
+    points: Array, position: Array, sensor_from_world: Array, limits: Array, hidden: BoolArray, local: Array,
     in_view: BoolArray, visible: BoolArray,
 ) -> None:  # fmt: skip
-    """Write which joints are in view and which of those a ray reaches.
+    """Write where points are for a sensor, and whether they are in view and not hidden.
 
     Args:
-        local: (N, 3) joints in the sensor's frame [m].
-        distances: (N,) to each joint [m].
-        hits: (N,) to the first surface on the way, negative for none [m].
-        owners: (N,) whose surface that is.
-        dancers: (P,) whose joints these are, N / P each.
+        points: (N, 3) world points [m].
+        position: (3,) the sensor's [m].
+        sensor_from_world: (3, 3) rotation.
         limits: slopes of the field of view, nearest and farthest depth [m].
-        flesh_m: how deep in its own dancer's flesh a joint may lie.
-        in_view: (N,) output.
-        visible: (N,) output.
+        hidden: (N,) which points something stands before.
+        local: (N, 3) output, positions in the sensor's frame [m].
+        in_view: (N,) output, in the field of view and range.
+        visible: (N,) output, in view and not hidden.
     """
-    each = len(local) // len(dancers)
-    for n in range(len(local)):
-        x, y, z = local[n, 0], local[n, 1], local[n, 2]
-        in_view[n] = abs(x) <= limits[0] * z and abs(y) <= limits[1] * z and z >= limits[2] and z <= limits[3]
-        before = distances[n] - (flesh_m if owners[n] == dancers[n // each] else 0.0)
-        visible[n] = in_view[n] and (hits[n] < 0.0 or hits[n] >= before)
+    for n in range(len(points)):
+        x, y, z = points[n, 0] - position[0], points[n, 1] - position[1], points[n, 2] - position[2]
+        for k in range(3):
+            local[n, k] = sensor_from_world[k, 0] * x + sensor_from_world[k, 1] * y + sensor_from_world[k, 2] * z
+        depth = local[n, 2]
+        in_view[n] = (
+            abs(local[n, 0]) <= limits[0] * depth
+            and abs(local[n, 1]) <= limits[1] * depth
+            and depth >= limits[2]
+            and depth <= limits[3]
+        )
+        visible[n] = in_view[n] and not hidden[n]
 
 
 @njit(cache=True)
