@@ -31,7 +31,7 @@ def test_the_active_client_follows_the_turns(hall, world):
 
 def test_orders_name_active_and_next_and_are_repeated(hall, world):
     hall.run(world.timetable.start_s(2))
-    before, overlap = world.timetable.time_s(1, 32.0), world.timetable.time_s(1, 35.0)
+    before, overlap = world.timetable.time_s(1, 30.0), world.timetable.time_s(1, 35.0)
 
     def watching(t_s):
         latest = {order.sensor: order.watch for at, order in hall.orders if at <= t_s}
