@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..assets.names import ACTUATED_INDEX, ARM_JOINTS, JOINT_INDEX
@@ -63,7 +64,7 @@ def _reach(body: Anatomy, hand: Array) -> Array:
     return np.asarray(min(fits, key=lambda fit: float(fit.cost)).x)
 
 
-def walk(arms: Array, span: Array, speed: Array, swing: Array) -> None:
+def walk(arms: Array, span: NDArray[np.bool_], speed: Array, swing: Array) -> None:
     """Swing the arms with the steps, in place.
 
     Args:

@@ -80,7 +80,7 @@ class Planner:
         self._anatomy = anatomy
         self._chains = anatomy.chains()
         self._poses = arms.ArmPoses.of(anatomy)
-        self._slot = np.asarray(slot, dtype=float)
+        self._slot: Array = np.asarray(slot, dtype=np.float64)
         self._move_m, self._turn_rad = move_m, turn_rad
         self._dt = 1.0 / rate_hz
         self._ahead = 0.026 * anatomy.build.stature_m
@@ -88,10 +88,10 @@ class Planner:
         self._at = self._slot
         self._busy_until_s = 0.0
         ticks = len(reference.yaw)
-        self._times = np.arange(ticks) * self._dt
+        self._times: Array = np.arange(ticks, dtype=np.float64) * self._dt
         self._arms = np.tile(self._poses.stand, (ticks, 2))
         self._trunk = np.zeros(ticks)
-        self._path = np.tile(self._slot, (ticks, 1))
+        self._path: Array = np.tile(self._slot, (ticks, 1))
         self._axis = np.full(ticks, heading_rad)
         self._free = np.zeros(ticks, dtype=bool)
         self._com = np.zeros((ticks, 2))
@@ -167,7 +167,7 @@ class Planner:
     def _swing_arms(self, cue: Cue, profile: SpeedProfile, plan: footsteps.Walk) -> None:
         span = (self._times >= plan.start_s) & (self._times <= plan.end_s)
         speed = profile.speed(self._times[span] - cue.t_s)
-        swing = np.sin(np.pi * (self._times[span] - plan.start_s) / plan.step_s)
+        swing = -np.cos(np.pi * (self._times[span] - plan.start_s) / plan.step_s)
         arms.walk(self._arms, span, speed, swing if plan.steps[0].side == 1 else -swing)
 
     def _turn(self, cue: Cue) -> None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import tomllib
 from dataclasses import dataclass, fields
 from importlib import resources
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -84,14 +84,16 @@ def preset(name: str) -> TimingParameters:
     table = _presets()
     if name not in table:
         raise UnknownNameError("humans preset", name, tuple(table))
-    values = {key: tuple(value) if isinstance(value, list) else value for key, value in table[name].items()}
+    values: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in table[name].items()
+    }
     unknown = values.keys() - {field.name for field in fields(TimingParameters)}
     if unknown:
         raise ConfigError(f"humans.{name}", sorted(unknown), "fields of TimingParameters")
     return TimingParameters(**values)
 
 
-def _presets() -> dict[str, dict[str, object]]:
+def _presets() -> dict[str, dict[str, Any]]:
     text = resources.files(__package__.rpartition(".")[0]).joinpath("assets/presets.toml").read_text("utf-8")
     return tomllib.loads(text)
 
