@@ -23,11 +23,11 @@ _LEGS = np.array([[ACTUATED_INDEX[f"{joint}_{side}"] for joint in LEG_JOINTS] fo
 HIP_Z, HIP_X, HIP_Y, _, ANKLE_Y, ANKLE_X = range(6)
 (
     PRESSURE_ALONG, PRESSURE_ACROSS, PITCH, PITCH_RATE, ROLL, STEP_ALONG, STEP_ACROSS, DRIFT, YAW, DROOP, DECAY, FOLLOW,
-    AHEAD,
-) = range(13)  # fmt: skip
+    AHEAD, EFFORT,
+) = range(14)  # fmt: skip
 Gains = tuple[float, ...]
-Plan = tuple[Array, Array, Array, Array, Array, Array, Array]
-"""Joints, pelvis, yaw, divergent component, weight, ankles, time to landing: rows per tick."""
+Plan = tuple[Array, Array, Array, Array, Array, Array, Array, Array]
+"""Joints, pelvis, yaw, divergent component, weight, ankles, time to landing, torque: rows per tick."""
 Felt = tuple[Array, Array, Array, Array, Array]
 """Centre of mass and its velocity, root and its velocity, ankles."""
 Servo = tuple[Array, Array, Array, Any, Any]
@@ -51,7 +51,8 @@ class BalanceGains:
         droop: share of the pelvis' sideways droop in single support that is fed forward.
         decay: what remains of a foothold's correction after one tick of standing.
         follow: how much of the standing feet's drift the centre of mass goes along with.
-        ahead: share of the planned pressure point's distance from the ankles that is fed forward, fore and aft.
+        ahead: how far targets run ahead of the plan, against the delay of held targets and soft joints [s].
+        effort: share of the plan's torques that is fed forward.
     """
 
     pressure_along: float = 3.65
@@ -66,14 +67,15 @@ class BalanceGains:
     droop: float = 0.3
     decay: float = 0.92
     follow: float = 0.0
-    ahead: float = 1.0
+    ahead: float = 0.0083
+    effort: float = 1.0
 
 
 @njit(cache=True)
-def _follow_plan(row: Array, before: Array, after: Array, per: float, lead: Array, out: Array) -> None:
+def _follow_plan(row: Array, before: Array, after: Array, per: float, lead: Array, ahead: float, out: Array) -> None:
     """Targets that servos with damping need to follow a plan: its row plus its rate times their lead."""
     for k in range(len(out)):
-        out[k] = row[k] + lead[k] * per * (after[k] - before[k])
+        out[k] = row[k] + (lead[k] + ahead) * per * (after[k] - before[k])
 
 
 @njit(cache=True)
@@ -133,26 +135,26 @@ def _correct(
     root_out: Array,
 ) -> None:  # fmt: skip
     """Targets of one dancer for one tick."""
-    joints, pelvis, yaw, dcm, weight, ankles, landing = plan
+    joints, pelvis, yaw, dcm, weight, ankles, landing, torque = plan
     com, velocity, root, root_velocity, feet = felt
     stiffness, lead, root_lead, load, length = servo
     last = len(yaw) - 1
     a, b = max(i - 1, 0), min(i + 1, last)
     i = min(i, last)
-    per = rate / max(b - a, 1)
-    _follow_plan(joints[i], joints[a], joints[b], per, lead, u)
-    _follow_plan(pelvis[i], pelvis[a], pelvis[b], per, root_lead[:2], root_out[:2])
-    root_out[2] = yaw[i] + root_lead[2] * per * (yaw[b] - yaw[a])
+    per, ahead = rate / max(b - a, 1), gain[AHEAD]
+    _follow_plan(joints[i], joints[a], joints[b], per, lead, ahead, u)
+    for k in range(len(u)):
+        u[k] += gain[EFFORT] * (torque[i, k] + ahead * per * (torque[b, k] - torque[a, k])) / stiffness[k]
+    _follow_plan(pelvis[i], pelvis[a], pelvis[b], per, root_lead[:2], ahead, root_out[:2])
+    root_out[2] = yaw[i] + (root_lead[2] + ahead) * per * (yaw[b] - yaw[a])
     w, off = weight[i], root[3] - yaw[i]
     stray = w * (feet[0] - ankles[i, 0]) + (1 - w) * (feet[1] - ankles[i, 1])
     drift = _turned(root[3], stray[0], stray[1])
     miss = com[:2] + velocity[:2] / omega - dcm[i] - gain[FOLLOW] * stray[:2]
     error = _turned(root[3], miss[0], miss[1])
-    zmp = dcm[i] - (dcm[b] - dcm[a]) * per / omega - w * ankles[i, 0, :2] - (1 - w) * ankles[i, 1, :2]
-    planned = _turned(yaw[i], zmp[0], zmp[1])
     wide = 0.08 if 0.15 < w < 0.85 else 0.03
     push = (
-        _limited(gain[AHEAD] * planned[0] + gain[PRESSURE_ALONG] * error[0], -0.09, 0.12),
+        _limited(gain[PRESSURE_ALONG] * error[0], -0.09, 0.12),
         _limited(gain[PRESSURE_ACROSS] * error[1], -wide, wide),
     )
     for side in range(2):
@@ -174,13 +176,13 @@ def _correct_all(
     i: int, rate: float, omega: Array, plan: Plan, felt: Felt, servo: Servo, gain: Gains, shift: Array, out: Array,
     root_out: Array,
 ) -> None:  # fmt: skip
-    joints, pelvis, yaw, dcm, weight, ankles, landing = plan
+    joints, pelvis, yaw, dcm, weight, ankles, landing, torque = plan
     com, velocity, root, root_velocity, feet = felt
     stiffness, lead, root_lead, load, length = servo
     for d in range(len(omega)):
         _correct(
             i, rate, omega[d],
-            (joints[d], pelvis[d], yaw[d], dcm[d], weight[d], ankles[d], landing[d]),
+            (joints[d], pelvis[d], yaw[d], dcm[d], weight[d], ankles[d], landing[d], torque[d]),
             (com[d], velocity[d], root[d], root_velocity[d], feet[d]),
             (stiffness[d], lead[d], root_lead[d], load[d], length[d]),
             gain, shift[d], out[d], root_out[d],
@@ -202,7 +204,7 @@ class Balance:
         self, reference: Reference, omega: Array, rate_hz: int, servos: Servos, gains: BalanceGains | None = None
     ) -> None:
         r, s = reference, servos
-        self._plan = (r.joints, r.pelvis, r.yaw, r.dcm, r.weight, r.ankles, r.landing)
+        self._plan = (r.joints, r.pelvis, r.yaw, r.dcm, r.weight, r.ankles, r.landing, r.torque)
         self._servo = (s.stiffness, s.lead, s.root_lead, s.weight, s.leg)
         self._omega = omega
         self._rate = float(rate_hz)

@@ -20,6 +20,7 @@ from ..errors import SjasimError
 from ..types import Array, Cue, Move
 from . import arms, footsteps
 from .anatomy import Anatomy
+from .dynamics import hinge_torques
 from .kinematics import com_offsets, legs
 from .profile import SpeedProfile, smooth, speed_profile
 from .reference import Reference
@@ -215,7 +216,10 @@ class Planner:
         real = pelvis[:, :2] + offset
         r.joints[span], r.pelvis[span], r.weight[span], self._com[span] = joints, pelvis, weight, com
         r.dcm[span] = real + np.gradient(real, self._dt, axis=0) / self._omega
-        for array in (r.joints, r.pelvis, r.weight, r.dcm, self._com):
+        r.torque[span] = hinge_torques(
+            self._chains, joints, pelvis, self._yaw[span], r.ankles[span], weight, self._dt
+        )
+        for array in (r.joints, r.pelvis, r.torque, r.weight, r.dcm, self._com):
             array[last:] = array[last - 1]
 
 
