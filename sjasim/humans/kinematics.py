@@ -96,9 +96,7 @@ def com_offsets(
     axes = np.zeros((len(hinge_segment), 3))
     total = mass.sum()
     for t in range(len(q)):
-        place(
-            q[t], yaw[t], parent, offset, hinge_segment, hinge_column, hinge_axis, hinge_sign, rotation, origin, axes
-        )
+        place(q[t], yaw[t], parent, offset, hinge_segment, hinge_column, hinge_axis, hinge_sign, rotation, origin, axes)
         for s in range(len(parent)):
             for k in range(3):
                 out[t, k] += mass[s] * (

@@ -62,13 +62,19 @@ def test_feet_end_beside_each_other():
 
 def test_a_turn_brings_both_feet_to_the_new_heading():
     ground = feet(heading=0.0)
-    steps = turn(2.0, 1.8)
+    steps = turn(2.0, 1.8, 0.0)
     assert [step.side for step in steps] == [0, 1, 0, 1]
     for step in steps:
         ground.swing(step, np.zeros(2), np.pi / 2 * step.along)
     assert ground.yaw[-1] == pytest.approx([np.pi / 2] * 2)
     assert ground.ankles[-1, 0, :2] == pytest.approx([-BODY.hip_m, 0.0], abs=1e-12)
     assert not (ground.landing > 0).all(axis=1).any()
+
+
+def test_a_turn_waits_for_the_step_before_it():
+    steps = turn(2.0, 1.8, 2.12)
+    assert steps[0].lift_s > 2.12
+    assert steps[-1].land_s < 3.8
 
 
 @pytest.mark.parametrize("hold", [0.15, 1.0])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sjasim.assets.names import ACTUATED_INDEX, JOINT_INDEX
-from sjasim.errors import SjasimError
+from sjasim.errors import ConfigError
 from sjasim.humans.anatomy import Build, anatomy
 from sjasim.humans.kinematics import joint_positions
 from sjasim.humans.motion import PREVIEW_S, Planner, _pendulum
@@ -15,7 +15,7 @@ from sjasim.types import Cue, Move
 
 from .dancing import HZ, NORTH, builds, walk_cue
 
-FIELDS = ("joints", "pelvis", "yaw", "dcm", "weight", "ankles", "foot_yaw", "landing")
+FIELDS = ("joints", "pelvis", "yaw", "dcm", "weight", "ankles", "foot_yaw", "landing", "torque")
 
 
 class Plan:
@@ -123,10 +123,31 @@ def test_planning_in_parts_equals_planning_at_once():
     assert np.array_equal(parts.reference.ankles, whole.reference.ankles)
 
 
-def test_a_cue_inside_the_move_before_it_is_refused():
+@pytest.mark.parametrize(
+    ("cues", "field", "allowed"),
+    [
+        ([(Move.FORWARD, 2.0, 2.0), (Move.BACKWARD, 3.0, 2.0)], "t_s", "4.000 s or later"),
+        ([(Move.FORWARD, 0.5, 2.0)], "t_s", "1.000 s or later"),
+        ([(Move.FORWARD, float("nan"), 2.0)], "t_s", "1.000 s or later"),
+        ([(Move.FORWARD, 2.0, 0.3)], "duration_s", "0.5 s or longer"),
+        ([(Move.BACKWARD, 2.0, -1.0)], "duration_s", "0.5 s or longer"),
+        ([(Move.TURN, 2.0, 0.5)], "duration_s", "1 s or longer"),
+    ],
+)
+def test_cues_that_cannot_be_danced_are_refused(cues, field, allowed):
     plan = Plan()
-    with pytest.raises(SjasimError, match=r"3\.000 s .* ends at 4\.000 s"):
-        plan.planner.extend([walk_cue(Move.FORWARD, 2.0, 2.0), walk_cue(Move.BACKWARD, 3.0, 2.0)], 0.0)
+    with pytest.raises(ConfigError, match=allowed) as caught:
+        plan.planner.extend([walk_cue(*cue) for cue in cues], 1.0)
+    assert caught.value.field.endswith(f"cue.{field}")
+
+
+def test_steps_of_a_late_cue_wait_for_the_present():
+    plan = Plan()
+    before = plan.copy()
+    plan.planner.extend([walk_cue(Move.FORWARD, 3.0, 2.0)], 2.95)
+    past = slice(0, int(2.95 * HZ))
+    for name in FIELDS:
+        assert np.array_equal(getattr(plan.reference, name)[past], before[name][past]), name
 
 
 def test_a_turn_ends_at_the_new_heading():

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from sjasim.errors import ConfigError
 from sjasim.humans.profile import FASTEST_M_S, ONSET_M_S, SLOWEST_M_S, smooth, speed_profile
 
 DURATIONS = (0.8, 2.0, 3.0)
@@ -60,6 +61,12 @@ def test_starts_are_crisp(duration):
     speeds = profile.speed(times)
     assert np.interp(0.25, speeds, times) - np.interp(0.05, speeds, times) <= 0.35
     assert (np.diff(speeds) >= -1e-12).all()
+
+
+@pytest.mark.parametrize("duration", [0.49, 0.0, -1.0, float("nan"), float("inf")])
+def test_a_move_too_short_to_be_possible_is_refused(duration):
+    with pytest.raises(ConfigError, match=r"0\.5 s or longer"):
+        speed_profile(0.5, duration)
 
 
 def test_smooth_is_flat_at_both_ends():

@@ -201,12 +201,29 @@ def test_a_lapse_does_not_shift_the_other_dancers():
         ("coupling", -0.01),
         ("coupling", 0.7),
         ("lapse", 1.5),
+        ("lapse", "often"),
+        ("late_s", (9.0,)),
     ],
 )
 def test_parameters_outside_their_range_are_refused(field, value):
     with pytest.raises(ConfigError, match="to") as caught:
         TimingParameters(**{field: value})
     assert caught.value.field == f"humans.{field}"
+
+
+@pytest.mark.parametrize("dancers", [0, -1, 9])
+def test_a_group_of_none_or_too_many_is_refused(dancers):
+    with pytest.raises(ConfigError, match="1 to 8 dancers"):
+        ensemble(TimingParameters(), dancers)
+
+
+@pytest.mark.parametrize("dancers", [2, 3, 5, 8])
+def test_groups_of_every_size_hold_together_alike(dancers):
+    p = TimingParameters(timekeeper_s=0.1, coupling=0.25)
+    last = deviations(p, 300, dancers)[:, :, -1]
+    expected = 0.1 * np.sqrt((1 - 1 / dancers) / (1 - 0.25**2))
+    own = last - last.mean(axis=1, keepdims=True)
+    assert np.sqrt((own**2).mean()) == pytest.approx(expected, rel=0.1)
 
 
 def test_an_unknown_preset_lists_the_known_ones():
