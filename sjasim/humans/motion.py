@@ -132,7 +132,7 @@ class Planner:
             now_s: the present; motion before it stays as it was.
 
         Raises:
-            ConfigError: a cue lies in the past, begins before the one before it has ended, or is too short to be danced.
+            ConfigError: a cue lies in the past, begins before the one before it has ended, or is too short.
         """
         for cue in cues:
             self._check(cue, now_s)
