@@ -3,7 +3,8 @@
 The error of the divergent component of motion moves the pressure under the standing feet (ankles) and the next
 foothold (hips of the swinging leg); pitch, roll and yaw errors go to the hips.
 
-Source: englsberger2015, section IV (capture-point control). Gains were found by trial on simulated dances.
+Source: englsberger2015, section IV (capture-point control). Gains were found by an evolution strategy on
+simulated dances with jitter and sideways pushes of 27 Ns while walking; a push decides more than a calm dance.
 """
 
 from __future__ import annotations
@@ -22,9 +23,8 @@ from .reference import Reference
 _LEGS = np.array([[ACTUATED_INDEX[f"{joint}_{side}"] for joint in LEG_JOINTS] for side in "LR"])
 HIP_Z, HIP_X, HIP_Y, _, ANKLE_Y, ANKLE_X = range(6)
 (
-    PRESSURE_ALONG, PRESSURE_ACROSS, PITCH, PITCH_RATE, ROLL, STEP_ALONG, STEP_ACROSS, DRIFT, YAW, DROOP, DECAY, FOLLOW,
-    AHEAD, EFFORT,
-) = range(14)  # fmt: skip
+    PRESSURE_ALONG, PRESSURE_ACROSS, PITCH, PITCH_RATE, ROLL, STEP_ALONG, STEP_ACROSS, DRIFT, YAW, DECAY, AHEAD, EFFORT,
+) = range(12)  # fmt: skip
 Gains = tuple[float, ...]
 Plan = tuple[Array, Array, Array, Array, Array, Array, Array, Array]
 """Joints, pelvis, yaw, divergent component, weight, ankles, time to landing, torque: rows per tick."""
@@ -48,25 +48,21 @@ class BalanceGains:
         step_across: the same sideways.
         drift: how much of the standing foot's drift the next foothold takes back.
         yaw: hip angle per yaw error.
-        droop: share of the pelvis' sideways droop in single support that is fed forward.
         decay: what remains of a foothold's correction after one tick of standing.
-        follow: how much of the standing feet's drift the centre of mass goes along with.
         ahead: how far targets run ahead of the plan, against the delay of held targets and soft joints [s].
         effort: share of the plan's torques that is fed forward.
     """
 
-    pressure_along: float = 3.65
-    pressure_across: float = 2.7
-    pitch: float = 0.94
-    pitch_rate: float = 0.05
-    roll: float = 0.58
-    step_along: float = 0.22
-    step_across: float = -0.25
-    drift: float = 1.1
-    yaw: float = 0.49
-    droop: float = 0.3
-    decay: float = 0.92
-    follow: float = 0.0
+    pressure_along: float = 3.9
+    pressure_across: float = 2.8
+    pitch: float = 0.74
+    pitch_rate: float = 0.02
+    roll: float = 0.7
+    step_along: float = 0.07
+    step_across: float = 0.48
+    drift: float = 0.75
+    yaw: float = 0.64
+    decay: float = 0.912
     ahead: float = 0.0083
     effort: float = 1.0
 
@@ -92,7 +88,7 @@ def _limited(value: float, low: float, high: float) -> float:
 
 @njit(cache=True)
 def _stand(
-    u: Array, leg: IntArray, on: float, sign: float, push: tuple[float, float], root: Array, rate: float, off: float,
+    u: Array, leg: IntArray, on: float, push: tuple[float, float], root: Array, rate: float, off: float,
     load: float, stiffness: Array, gain: Gains,
 ) -> None:  # fmt: skip
     """Standing leg: the ankle moves the pressure point, the hip rights the trunk."""
@@ -102,8 +98,6 @@ def _stand(
     u[hy] += on * (gain[PITCH] * root[4] + gain[PITCH_RATE] * rate)
     u[hx] += on * gain[ROLL] * root[5]
     u[hz] += on * gain[YAW] * off * 0.5
-    if on > 0.6:
-        u[hx] += on * sign * gain[DROOP] * 0.05 * load / stiffness[hx]
 
 
 @njit(cache=True)
@@ -150,7 +144,7 @@ def _correct(
     w, off = weight[i], root[3] - yaw[i]
     stray = w * (feet[0] - ankles[i, 0]) + (1 - w) * (feet[1] - ankles[i, 1])
     drift = _turned(root[3], stray[0], stray[1])
-    miss = com[:2] + velocity[:2] / omega - dcm[i] - gain[FOLLOW] * stray[:2]
+    miss = com[:2] + velocity[:2] / omega - dcm[i]
     error = _turned(root[3], miss[0], miss[1])
     wide = 0.08 if 0.15 < w < 0.85 else 0.03
     push = (
@@ -161,7 +155,7 @@ def _correct(
         on, sign = (w, 1.0) if side == 0 else (1.0 - w, -1.0)
         leg = _LEGS[side]
         if on >= 0.03:
-            _stand(u, leg, on, sign, push, root, root_velocity[4], off, load, stiffness, gain)
+            _stand(u, leg, on, push, root, root_velocity[4], off, load, stiffness, gain)
         if landing[i, side] > 0:
             _foothold(shift[side], sign, landing[i, side], omega, error, drift, off, gain)
             u[leg[ANKLE_Y]] -= root[4]
