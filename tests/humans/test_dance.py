@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from sjasim.types import Kind
+from sjasim.types import Kind, Move
 
-from .dancing import builds, paper_floor
+from .dancing import HZ, Floor, builds, paper_floor, walk_cue
 
 
 @cache
@@ -56,3 +56,19 @@ def test_hands_meet_within_a_frame_of_the_planned_clap():
 def test_the_same_dance_twice_is_the_same_to_the_last_bit():
     first, second = (paper_floor(builds(2, 5), seed=5).run(4.0) for _ in range(2))
     assert np.array_equal(first.column("roots"), second.column("roots"))
+
+
+@pytest.mark.parametrize("walking", [False, True], ids=["standing", "walking"])
+def test_a_sideways_push_fells_nobody(walking):
+    slots = np.array([[0.0, 0.0], [2.5, 0.0], [-2.5, 0.0]])
+    floor = Floor(builds(3, 21), 5.5, slots=slots)
+    for dancer in range(3 * walking):
+        cues = [walk_cue(Move.FORWARD, 1.5, 1.5, dancer), walk_cue(Move.BACKWARD, 3.2, 1.5, dancer)]
+        floor.plan(dancer, cues, 0.0)
+    floor.run(1.8)
+    for dancer in range(3):
+        floor.stage.push(dancer, np.array([100.0 * (-1) ** dancer, 0.0, 0.0]))
+        floor.run(0.2)
+        floor.stage.push(dancer, np.zeros(3))
+        floor.run(0.15)
+    assert not floor.run(5.5 - floor.tick / HZ).fell
