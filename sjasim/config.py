@@ -305,7 +305,7 @@ class NetworkConfig:
     jitter_s: float = 0.005
     loss: float = 0.001
     uplink_extra_s: float = 0.0
-    sync_hz: int = 2
+    sync_hz: int = 4
     heartbeat_hz: int = 5
 
     def __post_init__(self) -> None:

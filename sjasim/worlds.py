@@ -51,6 +51,8 @@ Outward = DeviceEvent | ClientStatus | SyncReply | RobotState
 
 FALLEN_SHARE = 0.65
 """A dancer whose pelvis is below this share of its standing height has fallen."""
+REST_S = 0.7
+"""Nobody begins the next iteration sooner after the last one's turn: the sway has to settle (assumed) [s]."""
 CHECK_S = 0.2
 """How often falls are looked for [s]."""
 STATE_HZ = 5
@@ -275,7 +277,7 @@ class PhysicsWorld:
             self._planners[index].extend(performed, now)
             self.cues.extend(performed)
             if performed:
-                self._busy_s[index] = max(cue.t_s + cue.duration_s for cue in performed) + 0.3
+                self._busy_s[index] = max(cue.t_s + cue.duration_s for cue in performed) + REST_S
         self.cues.sort(key=lambda cue: (cue.iteration, cue.t_s))
 
     def _appropriateness(self, iteration: int) -> float | None:

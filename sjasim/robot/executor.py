@@ -16,11 +16,14 @@ from .diff_drive import wheel_command
 HOLD_PER_S = 2.0
 """Yaw rate per radian of heading error on a straight move; assumed."""
 
-HOLD_MAX_RAD_S = 0.3
+HOLD_MAX_RAD_S = 0.35
 """Bound of that yaw rate: below the rate that counts as a turn; assumed."""
 
-HOLD_REACH_RAD = 0.6
-"""A straight move takes up the heading it is given when the robot is no farther off; else it keeps its own; assumed."""
+AIMED_RAD = 0.02
+"""A standing robot this close to the heading it is to take up lets it be; assumed."""
+
+HOLD_REACH_RAD = 1.2
+"""A move or a stop takes up the heading it is given if no farther off than this, else it keeps its own; assumed."""
 
 TURN_PER_S = 10.0
 """Yaw rate per radian at the end of a turn, where the square-root profile would be infinitely steep; assumed."""
@@ -146,7 +149,7 @@ class Executor:
         self.number = command.number
         if command.move is Move.TURN:
             self._heading_ref = command.heading_rad
-        elif command.move is not Move.STOP:
+        else:
             near = abs(command.heading_rad - heading) <= HOLD_REACH_RAD
             self._heading_ref = command.heading_rad if near else heading
 
@@ -161,9 +164,10 @@ class Executor:
         if command.move is not Move.STOP:
             speed = min(abs(command.speed_m_s), self._config.max_speed_m_s)
             speed = -speed if command.move is Move.BACKWARD else speed
-        if speed == 0.0 and self._speed == 0.0:
+        off = self._heading_ref - state.heading_rad
+        if speed == 0.0 and self._speed == 0.0 and abs(off) < AIMED_RAD:
             return 0.0, 0.0
-        hold = HOLD_PER_S * (self._heading_ref - state.heading_rad)
+        hold = HOLD_PER_S * off
         return speed, min(max(hold, -HOLD_MAX_RAD_S), HOLD_MAX_RAD_S)
 
     def _turn_rate(self, state: RobotState) -> float:

@@ -45,11 +45,11 @@ farther off as possible; assumed."""
 PAST_M = 0.05
 """So far past its end a move begins to crawl (assumed)."""
 
-HALT_M = 0.40
+HALT_M = 0.20
 """And so far past it the server halts it, whatever the method says: the next place is somebody else's (assumed)."""
 
-STEER, STEER_MAX_RAD = 0.8, 0.25
-"""Share of a sideways error that one move is turned to make good, and by how much at most (assumed)."""
+STEER, STEER_MAX_RAD = 1.0, 0.45
+"""Share of a sideways error that the next move is turned to make good, and by how much at most (assumed)."""
 
 SHORTEST_S = 0.5
 """Shortest duration a move is planned for [s]."""
@@ -192,13 +192,12 @@ class Dispatcher:
 
     def _send(self, t_s: float, key: Key, item: Intention) -> MoveCommand:
         move = MOVES[self._steps[key[1]].kind]
-        iteration = key[0] + 1 if move is Move.TURN else key[0]
         command = MoveCommand(
             number=1 if self._current is None else self._current.number + 1,
             move=move,
             t_start_s=t_s,
             speed_m_s=self._speed_m_s(key, move),
-            heading_rad=float(self._timetable.heading_rad(iteration)) + self._steer_rad(key, move),
+            heading_rad=self._heading_rad(key, move),
             iteration=key[0],
             ordinal=key[1],
             why=item.why,
@@ -224,14 +223,22 @@ class Dispatcher:
         low, high = SPEED_M_S
         return min(max(speed, low), high, self._robot.max_speed_m_s)
 
-    def _steer_rad(self, key: Key, move: Move) -> float:
+    def _heading_rad(self, key: Key, move: Move) -> float:
+        """Heading to take up: of a move, while it stands that of the move to come, and of a turn the next iteration's."""
+        iteration, ordinal = key
+        if move is Move.TURN:
+            return float(self._timetable.heading_rad(iteration + 1))
+        heading = float(self._timetable.heading_rad(iteration))
+        step = self._steps.get(ordinal + 1 if move is Move.STOP else ordinal)
+        return heading if step is None else heading + self._steer_rad(heading, MOVES[step.kind], step.ordinal)
+
+    def _steer_rad(self, heading: float, move: Move, ordinal: int) -> float:
         """How far a move is turned off the iteration's heading, so that it also leads back beside the slot."""
         if move not in (Move.FORWARD, Move.BACKWARD) or self._state is None:
             return 0.0
-        heading = self._timetable.heading_rad(key[0])
         x, y = self._state.x_m - self._slot[0], self._state.y_m - self._slot[1]
         aside = y * math.cos(heading) - x * math.sin(heading)
-        way = self._robot.cruise_m_s * self._nominal_s(key[1])
+        way = self._robot.cruise_m_s * self._nominal_s(ordinal)
         steer = min(max(STEER * aside / way, -STEER_MAX_RAD), STEER_MAX_RAD)
         return steer if move is Move.BACKWARD else -steer
 

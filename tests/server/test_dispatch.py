@@ -174,5 +174,5 @@ def test_a_move_that_nobody_stops_crawls_past_its_end(dispatcher, world):
     dispatcher.robot(0.0, state(world, 1, 0.6))
     (copy,) = dispatcher.due(dispatcher.next_due_s)
     assert (copy.number, copy.move, copy.speed_m_s) == (command.number, Move.FORWARD, 0.13)
-    dispatcher.robot(0.0, state(world, 1, 0.75))
+    dispatcher.robot(0.0, state(world, 1, 0.95))
     assert dispatcher.due(dispatcher.next_due_s)[0].speed_m_s == 0.0
