@@ -22,6 +22,9 @@ ODOMETRY_COLUMNS = (
     "t_s", "x_m", "y_m", "heading_rad", "step_m", "yaw_rate_rad_s", "true_x_m", "true_y_m", "true_heading_rad",
 )  # fmt: skip
 
+FEEL_EVERY = 3
+"""The floor's force is taken at every third tick of the robot."""
+
 
 class Ledger:
     """Columns of truth and odometry, and the joints at frame rate.
@@ -33,19 +36,27 @@ class Ledger:
     """
 
     def __init__(self, stage: Stage, end_s: float, config: SessionConfig) -> None:
-        dancers = len(stage.servos.weight)
-        self._truth = np.full((math.ceil(end_s * config.stage.balance_hz) + 2, dancers, len(TRUTH_COLUMNS)), np.nan)
-        self._truth[:, :, 1] = np.arange(dancers)
-        self._truth[:, :, 11] = stage.servos.weight
+        self._weight = stage.servos.weight
+        dancers = len(self._weight)
+        ticks = math.ceil(end_s * config.stage.balance_hz) + 2
+        self._t_s = np.empty(ticks)
+        self._roots = np.empty((ticks, dancers, 6))
+        self._hands = np.empty((ticks, dancers, 2, 3))
+        self._tether = np.zeros((ticks, dancers, 5))
+        self._loads = np.empty((ticks, dancers))
+        self._seen = np.empty((ticks, dancers, 2))
+        self._fallen = np.empty((ticks, dancers), dtype=bool)
         self._every = max(1, config.stage.balance_hz // config.stage.truth_hz)
         self._odometry = np.empty((math.ceil(end_s * config.robot.odometry_hz) + 2, len(ODOMETRY_COLUMNS)))
         self._joints = np.empty((math.ceil(end_s * config.sensors.rate_hz) + 2, dancers, 25, 3), dtype=np.float32)
         self._load = np.zeros(dancers)
-        self._rows = self._rides = self._frames = 0
+        self._rows = self._rides = self._frames = self._felt = 0
 
     def feel(self, stage: Stage) -> None:
-        """Remember the floor's force; taken at the robot's ticks, which are out of step with the controller's."""
-        self._load = stage.loads()
+        """Remember the floor's force; called at the robot's ticks, which are out of step with the controller's."""
+        if self._felt % FEEL_EVERY == 0:
+            self._load = stage.loads()
+        self._felt += 1
 
     def ride(self, state: RobotState, true_pose: tuple[float, float, float]) -> None:
         """One odometry sample with the true pose."""
@@ -61,28 +72,39 @@ class Ledger:
             self._frames += 1
 
     def write(self, now: float, roots: Array, stage: Stage, seen: Array, fallen: NDArray[np.bool_]) -> None:
-        """One tick of truth; ``seen`` is (D, 2): spine and hands."""
-        if self._rows >= len(self._truth):
+        """One tick of truth; ``roots`` is (D, 6), ``seen`` (D, 2): torso and hands."""
+        row = self._rows
+        if row >= len(self._t_s):
             return
-        row = self._truth[self._rows]
-        row[:, 0] = now
-        row[:, 2:6] = roots[:, :4]
-        row[:, 6] = stage.hand_gaps()
-        tether = stage.tether()
-        row[:, 7:9] = tether[:, :2]
-        row[:, 9] = np.sqrt((tether[:, 2:] ** 2).sum(axis=1))
-        row[:, 10] = self._load
-        row[:, 12:14] = seen
-        row[:, 14] = fallen
+        self._t_s[row] = now
+        self._roots[row] = roots
+        stage.copy_hands(self._hands[row])
+        stage.copy_tether(self._tether[row])
+        self._loads[row] = self._load
+        self._seen[row] = seen
+        self._fallen[row] = fallen
         self._rows += 1
 
     def truth(self) -> dict[str, NDArray[np.generic]]:
         """The truth as columns."""
-        rows = self._truth[: self._rows : self._every].reshape(-1, len(TRUTH_COLUMNS))
-        columns: dict[str, NDArray[np.generic]] = {name: rows[:, k].copy() for k, name in enumerate(TRUTH_COLUMNS)}
-        columns["dancer"] = rows[:, 1].astype(np.int64)
-        columns["fallen"] = rows[:, 14].astype(np.int64)
-        return columns
+        kept = slice(0, self._rows, self._every)
+        shape = self._loads[kept].shape
+        hands, tether = self._hands[kept], self._tether[kept]
+        tables: dict[str, NDArray[np.generic]] = {
+            "t_s": np.broadcast_to(self._t_s[kept, None], shape),
+            "dancer": np.broadcast_to(np.arange(shape[1]), shape),
+            **{name: self._roots[kept, :, k] for k, name in enumerate(("x_m", "y_m", "z_m", "heading_rad"))},
+            "hands_m": np.sqrt(((hands[:, :, 0] - hands[:, :, 1]) ** 2).sum(axis=-1)),
+            "tether_x_n": tether[:, :, 0],
+            "tether_y_n": tether[:, :, 1],
+            "tether_torque_nm": np.sqrt((tether[:, :, 2:] ** 2).sum(axis=-1)),
+            "load_n": self._loads[kept],
+            "weight_n": np.broadcast_to(self._weight, shape),
+            "spine_seen": self._seen[kept, :, 0],
+            "hands_seen": self._seen[kept, :, 1],
+            "fallen": self._fallen[kept].astype(np.int64),
+        }
+        return {name: tables[name].reshape(-1).copy() for name in TRUTH_COLUMNS}
 
     def odometry(self) -> dict[str, Array]:
         """The odometry as columns; empty without a robot."""

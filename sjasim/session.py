@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
 from .anticipation.method import Method, build
 from .choreography.layout import layout
@@ -80,7 +81,7 @@ class Session:
         self._down: dict[str, Link[Inward]] = {
             name: Link(down, stream(self.config.seed, "link", name, "down")) for name in names
         }
-        self._links = (*self._up.values(), *self._down.values())
+        self._links: tuple[Link[Any], ...] = (*self._up.values(), *self._down.values())
 
     @property
     def time_s(self) -> float:
@@ -90,20 +91,22 @@ class Session:
     def advance(self, until_s: float) -> None:
         """Go on until a session time, instant by instant."""
         while self.time_s < until_s - 1e-9:
-            due = min(
-                until_s,
-                self.server.next_due_s,
-                self.dispatcher.next_due_s,
-                self._boundaries[0][0] if self._boundaries else until_s,
-                min(link.next_arrival_s for link in self._links),
-            )
-            outputs = self.world.advance(due, self._inputs)
+            outputs = self.world.advance(min(until_s, self._next_due_s()), self._inputs)
             now = self.time_s
             for output in outputs:
                 self._send_up(now, output)
             self._receive(now)
             self._conduct(now)
             self._inputs = [parcel for link in self._down.values() for parcel in link.receive(now)]
+
+    def _next_due_s(self) -> float:
+        """When something happens outside the world: an arrival, a timer, a boundary."""
+        due = min(self.server.next_due_s, self.dispatcher.next_due_s)
+        if self._boundaries:
+            due = min(due, self._boundaries[0][0])
+        for link in self._links:
+            due = min(due, link.next_arrival_s)
+        return due
 
     def _send_up(self, now: float, output: Outward) -> None:
         if isinstance(output, DeviceEvent):
@@ -135,9 +138,10 @@ class Session:
             if self.method is not None:
                 hook = self.method.on_iteration_start if starts else self.method.on_iteration_end
                 self._answer(now, hook(iteration, t_s))
-        for order in self.server.due(now):
-            self._down[order.sensor].send(now, order)
-        if self.method is not None:
+        if self.server.next_due_s <= now:
+            for order in self.server.due(now):
+                self._down[order.sensor].send(now, order)
+        if self.method is not None and self.dispatcher.next_due_s <= now:
             for wake_s in self.dispatcher.wakes_due(now):
                 self._answer(now, self.method.on_wake(wake_s))
             for command in self.dispatcher.due(now):

@@ -100,7 +100,7 @@ class PhysicsWorld:
         self._seen = np.full((config.group, 2), np.nan)
         self._outbox: list[Outward] = []
         self._next_iteration = timetable.first
-        self._plan()
+        self.plan()
 
     def _dance(self, config: SessionConfig, timetable: Timetable, layout: Layout, robot: bool) -> None:
         heading = timetable.heading_rad(timetable.first)
@@ -118,7 +118,7 @@ class PhysicsWorld:
             reference.pelvis[:, 0], config.stage, config.body, config.robot if robot else None,
         )  # fmt: skip
         omega = np.array([planner.omega for planner in self._planners])
-        self._balance = Balance(reference, omega, rate, self.stage.servos)
+        self.balance = Balance(reference, omega, rate, self.stage.servos)
         self._timing = EnsembleTiming(
             preset(config.humans),
             timetable,
@@ -144,7 +144,7 @@ class PhysicsWorld:
         )
         self._blocked = False
         if robot:
-            pose = (*(float(value) for value in layout.robot), self._timetable.heading_rad(1))
+            pose = (float(layout.robot[0]), float(layout.robot[1]), self._timetable.heading_rad(1))
             self._odometry = Odometry(config.robot, pose, stream(config.seed, "robot", "gyro"))
             self._robot_detector = RobotEventDetector(config.robot)
             self._executor = Executor(config.robot)
@@ -198,16 +198,17 @@ class PhysicsWorld:
         tick = self.stage.tick
         now = self.time_s
         if tick == self._robot_task.due:
-            self._drive(now)
+            self.drive(now)
             self._robot_task.advance()
         if tick == self._frame_task.due:
-            self._look(now)
+            self.look(now)
             self._frame_task.advance()
         if tick == self._balance_task.due:
             self._move(now)
             self._balance_task.advance()
 
-    def _drive(self, now: float) -> None:
+    def drive(self, now: float) -> None:
+        """A tick of the robot: odometry, events, wheel command."""
         self.ledger.feel(self.stage)
         if not self._has_robot:
             return
@@ -228,22 +229,24 @@ class PhysicsWorld:
             self._state_task.advance()
             self._outbox.append(state)
 
-    def _look(self, now: float) -> None:
+    def look(self, now: float) -> None:
+        """A frame tick: the clients take their frames and send what is ready."""
         for client in self._clients.values():
             client.capture(now, self.stage)
             self._outbox.extend(client.outputs(now))
+        self.stage.check()
         self._seen = self._share_seen(now)
         self.ledger.see(self.stage.joints_m)
 
     def _move(self, now: float) -> None:
         if now >= self._plan_s:
-            self._plan()
+            self.plan()
         roots = self.stage.roots()
         down = (roots[:, 2] < self._fall_m) & ~self._fallen
         if down.any():
             self._fall(now, down)
         tick = round(now * self._config.stage.balance_hz)
-        self.stage.apply(self._balance.targets(tick, self.stage.states()))
+        self.stage.apply(self.balance.targets(tick, self.stage.states()))
         self.ledger.write(now, roots, self.stage, self._seen, self._fallen)
 
     def _share_seen(self, now: float) -> Array:
@@ -262,7 +265,7 @@ class PhysicsWorld:
             self.stage.let_go(int(index))
             self.notices.append(Notice(now, dancer_name(int(index)), "fell and dances no more"))
 
-    def _plan(self) -> None:
+    def plan(self) -> None:
         """Draw the next iteration's times and plan everybody's motion; people know it some beats ahead."""
         now = self.time_s
         iteration = self._next_iteration
