@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .config import SessionConfig
 from .stage import Stage
-from .types import Array, RobotState
+from .types import Array, IntArray, RobotState
 
 TRUTH_COLUMNS = (
     "t_s", "dancer", "x_m", "y_m", "z_m", "heading_rad", "hands_m", "tether_x_n", "tether_y_n",
@@ -49,6 +49,7 @@ class Ledger:
         self._every = max(1, config.stage.balance_hz // config.stage.truth_hz)
         self._odometry = np.empty((math.ceil(end_s * config.robot.odometry_hz) + 2, len(ODOMETRY_COLUMNS)))
         self._joints = np.empty((math.ceil(end_s * config.sensors.rate_hz) + 2, dancers, 25, 3), dtype=np.float32)
+        self._skeletons = np.full((*self._joints.shape[:3], 4), np.nan, dtype=np.float32)
         self._load = np.zeros(dancers)
         self._rows = self._rides = self._frames = self._felt = 0
 
@@ -70,6 +71,19 @@ class Ledger:
         if self._frames < len(self._joints):
             self._joints[self._frames] = joints_m
             self._frames += 1
+
+    def estimate(self, joints_m: Array, state: NDArray[np.int8], dancers: IntArray) -> None:
+        """What the active client saw in the frame that `see` is about to take.
+
+        Args:
+            joints_m: (P, 25, 3) joints in the world.
+            state: (P, 25) their tracking state.
+            dancers: (P,) who they are of.
+        """
+        if self._frames < len(self._skeletons):
+            row = self._skeletons[self._frames]
+            row[dancers, :, :3] = joints_m
+            row[dancers, :, 3] = state
 
     def write(self, now: float, roots: Array, stage: Stage, seen: Array, fallen: NDArray[np.bool_]) -> None:
         """One tick of truth; ``roots`` is (D, 6), ``seen`` (D, 2): torso and hands."""
@@ -114,3 +128,7 @@ class Ledger:
     def joints(self) -> NDArray[np.float32]:
         """(F, D, 25, 3) true joints at frame rate [m]."""
         return self._joints[: self._frames]
+
+    def skeletons(self) -> NDArray[np.float32]:
+        """(F, D, 25, 4) what the active client saw of them, and each joint's tracking state."""
+        return self._skeletons[: self._frames]

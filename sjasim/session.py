@@ -17,7 +17,7 @@ from .clock import stream
 from .config import SessionConfig
 from .config_io import to_plain
 from .link import Link, LinkQuality
-from .logs import SessionLog
+from .logs import Handover, SessionLog
 from .server.dispatch import Dispatcher
 from .server.server import Server
 from .types import (
@@ -65,6 +65,8 @@ class Session:
         self._open_links([mount.name for mount in self.layout.mounts])
         self._inputs: list[tuple[float, Inward]] = []
         self._boundaries = _boundaries(self)
+        self.world.active = self.server.active
+        self.handovers = [Handover(0.0, self.server.active)]
         self.events: list[Event] = []
         self.commands: list[MoveCommand] = []
         self.device_events: list[tuple[DeviceEvent, float]] = []
@@ -97,6 +99,9 @@ class Session:
                 self._send_up(now, output)
             self._receive(now)
             self._conduct(now)
+            if self.server.active != self.handovers[-1].sensor:
+                self.handovers.append(Handover(now, self.server.active))
+                self.world.active = self.server.active
             self._inputs = [parcel for link in self._down.values() for parcel in link.receive(now)]
 
     def _next_due_s(self) -> float:
@@ -164,9 +169,11 @@ class Session:
             decisions=tuple(self.dispatcher.decisions),
             robot_events=tuple(world.robot_events),
             notices=tuple(notices),
+            handovers=tuple(self.handovers),
             odometry=world.ledger.odometry(),
             truth=world.ledger.truth(),
             joints=world.ledger.joints(),
+            skeletons=world.ledger.skeletons(),
             cost={
                 "sim_s": self.time_s,
                 "cpu_s": time.process_time() - cpu,

@@ -102,6 +102,7 @@ def read(folder: str | Path) -> SessionLog:
         decisions=tuple(rows["decisions"][0]),
         robot_events=tuple(rows["robot_events"][0]),
         notices=tuple(rows["notices"][0]),
+        handovers=tuple(rows["handovers"][0]),
         odometry=columns["odometry"],
         truth=columns["truth"],
         cost={name: summary[name] for name in COST if name in summary},

@@ -19,7 +19,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ..errors import RecordError
-from ..logs import AgentEvent, Decision, Notice
+from ..logs import AgentEvent, Decision, Handover, Notice
 from ..types import (
     Cue,
     DeviceEvent,
@@ -35,6 +35,7 @@ ROW_TYPES: Mapping[str, type] = {
     "decisions": Decision,
     "robot_events": AgentEvent,
     "notices": Notice,
+    "handovers": Handover,
 }
 """Table -> the value that one row holds."""
 
