@@ -90,6 +90,12 @@ class Insight:
     clocks: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
 
 
+CAUSES = {
+    "sensor": "the sensor's frames", "detector": "detection", "network": "the network",
+    "decision": "the method's own timing", "wheels": "the robot's way from command to motion",
+}  # fmt: skip
+"""Stage -> what a sentence calls it; the dancer has a sentence of its own."""
+
 LATE_S = 0.4
 """From here on a robot is called late or early: where people begin to see it (assumed)."""
 
@@ -130,5 +136,5 @@ def explained(step: StepStory) -> str:
     if stage == "dancer":
         reason = f"{step.follows}, whom it followed, was {most:.2f} s {word} too"
     else:
-        reason = f"mostly {stage} ({most:.2f} s): {step.why}"
+        reason = f"mostly {CAUSES[stage]} ({most:.2f} s): {step.why}"
     return f"{step.t_s:.1f} s, {name}: robot {abs(step.late_s):.2f} s {word}; {reason}"

@@ -16,9 +16,12 @@ from .insight import STAGES, Graph, Insight, told, verdict
 from .scene import AMBER, GREEN, GREY, Pen, Span
 
 BLUE, ORANGE, PURPLE, RED, SKY = (0, 114, 178), (213, 94, 0), (204, 121, 167), (200, 40, 40), (86, 180, 233)
+NOTHING = "-"
+"""The state of a lane in which nothing is shown."""
+
 STATES = {
     "forward": BLUE, "backward": ORANGE, "clap": PURPLE, "turn": PURPLE, "stop": GREY,
-    "on time": GREEN, "late": RED, "early": AMBER, "missed": (60, 0, 0),
+    NOTHING: GREY, "on time": GREEN, "late": RED, "early": AMBER, "missed": (60, 0, 0),
     **{f"early {word}": SKY for word in ("forward", "stop", "backward", "clap")},
 }  # fmt: skip
 """What lanes show, with its colour."""
@@ -38,8 +41,10 @@ def lane_names(config: SessionConfig) -> list[str]:
     """Every lane, from top to bottom."""
     lanes = ["iteration", "active_sensor"]
     for index in range(config.group):
-        lanes += [f"{dancer_name(index)}/{part}" for part in ("planned", "early", "detected")]
-    return lanes if config.method == "none" else [*lanes, "follows", "robot/command", "robot/moved", "robot/timing"]
+        lanes += [f"{dancer_name(index)}/{part}" for part in ("planned", "seen")]
+    return (
+        lanes if config.method == "none" else [*lanes, "robot/follows", "robot/command", "robot/moved", "robot/timing"]
+    )
 
 
 def send_lanes(pen: Pen, log: SessionLog, config: SessionConfig, span: Span) -> None:
@@ -58,9 +63,9 @@ def send_lanes(pen: Pen, log: SessionLog, config: SessionConfig, span: Span) -> 
     for event in sorted(log.events, key=lambda item: item.t_s):
         if event.early:
             mark = (event.t_s, event.t_s + BLINK_S, f"early {MOVING[event.kind]}")
-            marks.setdefault(f"{event.person}/early", []).append(mark)
+            marks.setdefault(f"{event.person}/seen", []).append(mark)
         else:
-            marks.setdefault(f"{event.person}/detected", []).append(_mark(event.t_s, event.kind))
+            marks.setdefault(f"{event.person}/seen", []).append(_mark(event.t_s, event.kind))
     for deed in log.robot_events:
         marks.setdefault("robot/moved", []).append(_mark(deed.t_s, deed.kind))
     for order in log.commands:
@@ -78,14 +83,14 @@ def send_lane(pen: Pen, name: str, marks: Sequence[Mark], span: Span) -> None:
     """One lane; a mark ends at its end or where the next begins."""
     inside = [mark for mark in sorted(marks) if span.since_s < mark[0] <= span.until_s]
     times: list[float] = []
-    states: list[str | None] = []
+    states: list[str] = []
     for place, (begin, end, state) in enumerate(inside):
         times.append(begin)
         states.append(state)
         following = inside[place + 1][0] if place + 1 < len(inside) else np.inf
         if end < following - 1e-6:
             times.append(end)
-            states.append(None)
+            states.append(NOTHING)
     if times:
         pen.columns(f"lanes/{name}", times, rr.StateChange.columns(state=states))
 
@@ -95,9 +100,12 @@ def fix_lanes(pen: Pen, config: SessionConfig) -> None:
     dancers = {dancer_name(index): dancer_colour(index) for index in range(config.group)}
     known = {**STATES, **dancers, "nobody": GREY}
     for name in lane_names(config):
-        if name not in ("iteration", "active_sensor"):
-            style = rr.StateConfiguration(values=list(known), colors=list(known.values()))
-            pen.fixed(f"lanes/{name}", style)
+        values = list(known)
+        if name in ("iteration", "active_sensor"):
+            values = [NOTHING]
+        shown = [value != NOTHING for value in values]
+        style = rr.StateConfiguration(values=values, colors=[known[value] for value in values], visible=shown)
+        pen.fixed(f"lanes/{name}", style)
 
 
 def send_insight(pen: Pen, insight: Insight, config: SessionConfig) -> None:
@@ -108,15 +116,16 @@ def send_insight(pen: Pen, insight: Insight, config: SessionConfig) -> None:
         for graph in insight.graphs
         if ROBOT in graph.agents
     ]
-    send_lane(pen, "follows", follows, Span())
+    send_lane(pen, "robot/follows", follows, Span())
     timing: list[Mark] = []
     for step in insight.steps:
         ends = sorted((step.t_s, step.robot_s)) if np.isfinite(step.robot_s) else [step.t_s, step.t_s + 1.0]
         timing.append((ends[0], max(ends[1], ends[0] + 0.15), verdict(step)))
     send_lane(pen, "robot/timing", timing, Span())
     send_curves(pen, insight)
-    for place, graph in enumerate(insight.graphs):
-        send_graph(pen, graph, first=place == 0)
+    fix_graph(pen)
+    for graph in insight.graphs:
+        send_graph(pen, graph)
     pen.fixed("story", rr.TextDocument(told(insight), media_type=rr.MediaType.MARKDOWN))
 
 
@@ -138,7 +147,7 @@ def send_curves(pen: Pen, insight: Insight) -> None:
     for sensor, (times, errors) in insight.clocks.items():
         for t_s, error in zip(times, errors, strict=True):
             _add(curves, f"clocks/{sensor}", float(t_s), float(error) * 1e3)
-    palette = ((40, 40, 40), BLUE, ORANGE, (0, 158, 115), PURPLE, (230, 159, 0), SKY)
+    palette = ((165, 165, 165), (60, 150, 220), ORANGE, (0, 158, 115), PURPLE, (230, 159, 0), SKY)
     counts: dict[str, int] = {}
     for name, (times_s, values) in curves.items():
         group, _, label = name.partition("/")
@@ -158,28 +167,37 @@ def _add(curves: dict[str, tuple[list[float], list[float]]], name: str, t_s: flo
         values.append(value)
 
 
-def send_graph(pen: Pen, graph: Graph, *, first: bool) -> None:
-    """The topology graph: agents on a circle, lines as wide as pairs are synchronous, an arrow to whom it follows."""
+def send_graph(pen: Pen, graph: Graph) -> None:
+    """The topology graph, from the close of its iteration on.
+
+    Agents stand on a circle with their individual indices, lines are as wide as their pairs are synchronous, and an
+    arrow leads from the robot to whom it follows.
+    """
     angles = np.pi / 2 + 2 * np.pi * np.arange(len(graph.agents)) / len(graph.agents)
     places = np.stack([np.cos(angles), -np.sin(angles)], axis=1) * 100.0
     colours = [AMBER if name == ROBOT else dancer_colour(k) for k, name in enumerate(graph.agents)]
     labels = [f"{name} {value:.2f}" for name, value in zip(graph.agents, graph.individual, strict=True)]
+    nodes = rr.Points2D.columns(positions=places, colors=colours, labels=labels)
+    pen.columns("graph/agents", [graph.t_s], nodes.partition([len(places)]))
     pairs = [(i, j) for i in range(len(graph.agents)) for j in range(i) if graph.pairs[i, j] > 0]
-    strips = [[places[i], places[j]] for i, j in pairs]
-    widths = [1.0 + 5.0 * float(graph.pairs[i, j]) for i, j in pairs]
-    middles = [f"{graph.pairs[i, j]:.2f}" for i, j in pairs]
-    # what the last iteration found holds until the next one closes; before the first one nothing is known
-    for t_s in (graph.t_s,):
-        pen.stream.set_time("session_time", duration=t_s)
-        nodes = rr.Points2D(places, radii=[9.0], colors=colours, labels=labels, show_labels=True, draw_order=2.0)
-        edges = rr.LineStrips2D(strips, radii=widths, colors=[GREY], labels=middles, show_labels=True)
-        pen.stream.log(pen.path("graph/agents"), nodes)
-        pen.stream.log(pen.path("graph/pairs"), edges)
-        arrow = rr.Arrows2D(vectors=[], origins=[])
-        if graph.follows:
-            a, b = places[graph.agents.index(ROBOT)], places[graph.agents.index(graph.follows)]
-            arrow = rr.Arrows2D(vectors=[0.82 * (b - a)], origins=[a], colors=[AMBER], radii=[2.5], draw_order=1.0)
-        pen.stream.log(pen.path("graph/follows"), arrow)
+    edges = rr.LineStrips2D.columns(
+        strips=[[places[i], places[j]] for i, j in pairs],
+        radii=[1.0 + 5.0 * float(graph.pairs[i, j]) for i, j in pairs],
+        labels=[f"{graph.pairs[i, j]:.2f}" for i, j in pairs],
+    )
+    pen.columns("graph/pairs", [graph.t_s], edges.partition([len(pairs)]))
+    ways = [(graph.agents.index(ROBOT), graph.agents.index(graph.follows))] if graph.follows else []
+    origins = np.array([places[a] for a, _ in ways]).reshape(-1, 2)
+    vectors = np.array([0.85 * (places[b] - places[a]) for a, b in ways]).reshape(-1, 2)
+    arrow = rr.Arrows2D.columns(origins=origins, vectors=vectors)
+    pen.columns("graph/follows", [graph.t_s], arrow.partition([len(ways)]))
+
+
+def fix_graph(pen: Pen) -> None:
+    """What all graphs share."""
+    pen.fixed("graph/agents", rr.Points2D.from_fields(radii=[9.0], show_labels=True, draw_order=60.0))
+    pen.fixed("graph/pairs", rr.LineStrips2D.from_fields(colors=[GREY], show_labels=True, draw_order=40.0))
+    pen.fixed("graph/follows", rr.Arrows2D.from_fields(colors=[AMBER], radii=[3.5], draw_order=50.0))
 
 
 def send_texts(pen: Pen, log: SessionLog, span: Span) -> None:

@@ -116,17 +116,17 @@ def _single(prefix: str, config: SessionConfig) -> rrb.Horizontal:
     graph = rrb.Spatial2DView(origin=_at(prefix, "graph"), name="Synchrony of pairs, last iteration")
     curves = rrb.Grid(
         _indices(prefix),
-        rrb.TimeSeriesView(origin=_at(prefix, "curves/pairs"), name="Synchrony of pairs, by iteration"),
+        _plot(_at(prefix, "curves/pairs"), "Synchrony of pairs, by iteration"),
         _delays(prefix),
         rrb.Tabs(
-            rrb.TimeSeriesView(origin=_at(prefix, "curves/timing"), name="Timing appropriateness [s]"),
-            rrb.TimeSeriesView(origin=_at(prefix, "curves/clocks"), name="Clock error [ms]"),
+            _plot(_at(prefix, "curves/timing"), "Timing appropriateness [s]"),
+            _plot(_at(prefix, "curves/clocks"), "Clock error [ms]"),
         ),
         grid_columns=2,
     )
     texts = rrb.TextLogView(origin=_at(prefix, "log"), name="Decisions of the method, notices")
     left = rrb.Vertical(_room(prefix, config), rrb.Horizontal(story, graph, column_shares=[3, 2]), row_shares=[3, 2])
-    right = rrb.Vertical(_lanes(prefix, config), curves, texts, row_shares=[5, 5, 2])
+    right = rrb.Vertical(_lanes(prefix, config), curves, texts, row_shares=[9, 5, 2])
     return rrb.Horizontal(left, right, column_shares=[1, 1])
 
 
@@ -139,7 +139,7 @@ def _named(prefix: str, name: str) -> str:
 
 
 def _room(prefix: str, config: SessionConfig) -> rrb.Spatial3DView:
-    eye = rrb.EyeControls3D(position=(1.9, 3.9, 2.5), look_target=(0.0, 0.0, 0.6), eye_up=(0.0, 0.0, 1.0))
+    eye = rrb.EyeControls3D(position=(1.7, 3.5, 2.1), look_target=(0.0, 0.0, 0.7), eye_up=(0.0, 0.0, 1.0))
     return rrb.Spatial3DView(
         origin=_at(prefix, "world"),
         name=_named(prefix, f"Room ({config.method}, seed {config.seed})"),
@@ -149,16 +149,32 @@ def _room(prefix: str, config: SessionConfig) -> rrb.Spatial3DView:
 
 def _lanes(prefix: str, config: SessionConfig) -> rrb.StateTimelineView:
     lanes: Sequence[str] = [_at(prefix, f"lanes/{name}") for name in lane_names(config)]
-    return rrb.StateTimelineView(origin=_at(prefix, "lanes"), contents=lanes, name=_named(prefix, "Who did what when"))
+    return rrb.StateTimelineView(
+        origin=_at(prefix, "lanes"),
+        contents=lanes,
+        name=_named(prefix, "Who did what when"),
+        time_view=_around(12.0),
+    )
+
+
+def _around(half_s: float) -> rrb.TimeAxis:
+    """A stretch of time about the cursor."""
+    ends = [rr.TimeRangeBoundary.cursor_relative(seconds=sign * half_s) for sign in (-1.0, 1.0)]
+    return rrb.TimeAxis(link=rrb.components.LinkAxis.Independent, view_range=rr.TimeRange(start=ends[0], end=ends[1]))
+
+
+def _plot(origin: str, name: str) -> rrb.TimeSeriesView:
+    """Curves over the whole session."""
+    axis = rrb.TimeAxis(
+        link=rrb.components.LinkAxis.Independent,
+        view_range=rr.TimeRange(start=rr.TimeRangeBoundary.infinite(), end=rr.TimeRangeBoundary.infinite()),
+    )
+    return rrb.TimeSeriesView(origin=origin, name=name, axis_x=axis, plot_legend=rrb.Corner2D.LeftTop)
 
 
 def _indices(prefix: str) -> rrb.TimeSeriesView:
-    return rrb.TimeSeriesView(
-        origin=_at(prefix, "curves/group"), name=_named(prefix, "Group synchronisation index, by iteration")
-    )
+    return _plot(_at(prefix, "curves/group"), _named(prefix, "Group synchronisation index, by iteration"))
 
 
 def _delays(prefix: str) -> rrb.TimeSeriesView:
-    return rrb.TimeSeriesView(
-        origin=_at(prefix, "curves/delay"), name=_named(prefix, "Robot's delay behind the dancers, by part [s]")
-    )
+    return _plot(_at(prefix, "curves/delay"), _named(prefix, "Robot's delay behind the dancers, by part [s]"))

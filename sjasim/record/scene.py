@@ -26,7 +26,7 @@ SEEN_EVERY = 2
 
 TRAIL_S, TRAIL_HZ = 4.0, 5
 ROBOT_RADIUS_M, ROBOT_HEIGHT_M = 0.177, 0.42
-AMBER, GREEN, GREY, WHITE = (240, 168, 13), (60, 200, 90), (120, 120, 125), (245, 245, 245)
+AMBER, GREEN, GREY, WHITE, MAGENTA = (240, 168, 13), (60, 200, 90), (120, 120, 125), (245, 245, 245), (220, 40, 160)
 REACH_M, STUB_M = 1.2, 0.3
 """Length of the frustum of the active sensor, and of the others."""
 
@@ -103,6 +103,7 @@ def fix_scene(pen: Pen, config: SessionConfig, place: Layout) -> None:
         )
         for index, colour in enumerate(colours)
     ]
+    classes.append(rr.ClassDescription(info=rr.AnnotationInfo(id=len(colours), color=MAGENTA)))
     pen.fixed("world", rr.AnnotationContext(classes))
     for index in range(config.group):
         fix_dancer(pen, index, config.group)
@@ -119,7 +120,7 @@ def fix_dancer(pen: Pen, index: int, group: int) -> None:
     radii = [radius for _, _, radius in CAPSULES]
     pen.fixed(f"{entity}/true", rr.Points3D.from_fields(class_ids=[index], keypoint_ids=ids, radii=[0.012]))
     pen.fixed(f"{entity}/tracked", rr.Points3D.from_fields(colors=[WHITE], class_ids=[group], radii=[0.022]))
-    pen.fixed(f"{entity}/inferred", rr.Points3D.from_fields(colors=[(220, 40, 160)], radii=[0.026]))
+    pen.fixed(f"{entity}/inferred", rr.Points3D.from_fields(colors=[MAGENTA], class_ids=[group + 1], radii=[0.026]))
     pen.fixed(f"{entity}/body", rr.Capsules3D.from_fields(radii=radii, colors=[(*colour, 90)], fill_mode="solid"))
     name = rr.Points3D.from_fields(labels=[dancer_name(index)], colors=[colour], radii=[0.01], show_labels=True)
     pen.fixed(f"{entity}/name", name)
@@ -209,10 +210,8 @@ def _send_skeletons(pen: Pen, entity: str, times: Floats, log: SessionLog, index
     seen = log.skeletons[some, index]
     for name, state in (("tracked", TRACKED), ("inferred", INFERRED)):
         kept = seen[..., 3] == state
-        columns = rr.Points3D.columns(positions=seen[kept, :3])
-        if name == "tracked":
-            ids = np.broadcast_to(np.arange(len(JOINTS)), kept.shape)[kept]
-            columns = rr.Points3D.columns(positions=seen[kept, :3], keypoint_ids=ids.astype(np.uint16))
+        ids = np.broadcast_to(np.arange(len(JOINTS)), kept.shape)[kept]
+        columns = rr.Points3D.columns(positions=seen[kept, :3], keypoint_ids=ids.astype(np.uint16))
         pen.columns(f"{entity}/{name}", times[some], columns.partition(kept.sum(axis=1)))
 
 
