@@ -182,17 +182,24 @@ class Session:
         )
 
 
-def run_session(config: SessionConfig, progress: Callable[[float], None] | None = None) -> SessionLog:
+def run_session(
+    config: SessionConfig,
+    progress: Callable[[float], None] | None = None,
+    prepare: Callable[[Session], None] | None = None,
+) -> SessionLog:
     """Dance one session from beginning to end.
 
     Args:
         config: everything about the session.
         progress: called with the share that is done, 0 to 1, about once per simulated second.
+        prepare: called with the session before it begins, for those who want to watch it (``world.watchers``).
 
     Returns:
         what was planned, seen, decided and done.
     """
     session = Session(config)
+    if prepare is not None:
+        prepare(session)
     while session.time_s < session.end_s - 1e-9:
         session.advance(min(session.time_s + 1.0, session.end_s))
         if progress is not None:

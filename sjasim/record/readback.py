@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -59,7 +60,10 @@ def chunks(path: Path) -> Iterator[tuple[str, Any]]:
         RecordError: the file is damaged.
     """
     try:
-        for chunk in rr.chunk.RrdReader(str(path)).stream():
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a file cut short is told of below
+            stream = rr.chunk.RrdReader(str(path)).stream()
+        for chunk in stream:
             batch = chunk.to_record_batch()
             if TIMELINE in batch.schema.names:
                 yield str(chunk.entity_path), batch

@@ -105,7 +105,7 @@ def blueprint(configs: Mapping[str, SessionConfig]) -> rrb.Blueprint:
     if not others:
         return rrb.Blueprint(_single(prefix, config), panel, *hidden)
     columns = [
-        rrb.Vertical(_room(key, own), _lanes(key, own), _indices(key), _delays(key), row_shares=[4, 5, 2, 2], name=key)
+        rrb.Vertical(_room(key, own), _lanes(key, own), _indices(key), _delays(key), row_shares=[3, 7, 2, 2], name=key)
         for key, own in configs.items()
     ]
     return rrb.Blueprint(rrb.Horizontal(*columns), panel, *hidden)

@@ -116,6 +116,22 @@ def read_rows(path: Path, table: str) -> tuple[list[Any], dict[str, list[Any]]]:
     return [ROW_TYPES[table](*row) for row in zip(*columns, strict=True)], extra
 
 
+def save_csv(table: Path, target: Path) -> None:
+    """Write a Parquet table as CSV; its folder is made if absent.
+
+    Raises:
+        RecordError: the table cannot be read, or the target cannot be written.
+    """
+    import pyarrow.csv
+
+    stored = _table(table)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        pyarrow.csv.write_csv(stored, target)
+    except OSError as error:
+        raise RecordError(f"{target} cannot be written: {error.strerror or error}") from None
+
+
 def _enumerated(path: Path, column: str, hint: Any, values: list[Any]) -> list[Any]:
     known = {item.value: item for item in hint}
     for row, value in enumerate(values):
