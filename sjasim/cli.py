@@ -65,7 +65,7 @@ def parse(options: type[T], arguments: Sequence[str], default: T | None, program
             return tyro.cli(
                 options,
                 args=list(arguments),
-                **({} if default is None else {"default": default}),
+                default=tyro.MISSING_NONPROP if default is None else default,
                 prog=program,
                 description=about,
                 config=(tyro.conf.FlagCreatePairsOff,),

@@ -194,7 +194,8 @@ def _graph(axes: Axes, graph: Graph) -> None:
         for j in range(i):
             weight = float(graph.pairs[i, j])
             axes.plot(*zip(places[i], places[j], strict=True), color="0.6", linewidth=0.3 + 6 * weight, zorder=1)
-            axes.text(*(0.58 * places[i] + 0.42 * places[j]), f"{weight:.2f}", fontsize=7, ha="center", zorder=4)
+            x, y = (0.58 * places[i] + 0.42 * places[j]).tolist()
+            axes.text(x, y, f"{weight:.2f}", fontsize=7, ha="center", zorder=4)
     if graph.follows:
         a, b = places[graph.agents.index(ROBOT)], places[graph.agents.index(graph.follows)]
         style = {"arrowstyle": "-|>", "color": "#E69F00", "linewidth": 2.5}

@@ -87,10 +87,10 @@ def _messages(log: SessionLog, config: SessionConfig) -> Iterator[Message]:
         plain = {"agent": deed.agent, "kind": deed.kind.value, "t_s": deed.t_s, "iteration": deed.iteration}
         yield (deed.t_s, "/events", "std_msgs/msg/String", {"data": json.dumps(plain)})
     for item in log.decisions:
-        plain = {"t_s": item.t_s, "iteration": item.iteration, "ordinal": item.ordinal, "kind": item.kind.value,
+        said = {"t_s": item.t_s, "iteration": item.iteration, "ordinal": item.ordinal, "kind": item.kind.value,
                  "action": item.action, "t_send_s": _finite(item.t_send_s), "person": item.person,
                  "why": item.why}  # fmt: skip
-        yield (item.t_s, "/decisions", "std_msgs/msg/String", {"data": json.dumps(plain)})
+        yield (item.t_s, "/decisions", "std_msgs/msg/String", {"data": json.dumps(said)})
 
 
 def _robot(log: SessionLog) -> Iterator[Message]:

@@ -192,7 +192,7 @@ def _send_skeletons(pen: Pen, entity: str, times: Floats, log: SessionLog, index
     if not len(rows):
         return
     true = log.joints[rows, index]
-    pen.columns(f"{entity}/true", times[rows], _points(true.reshape(-1, 3), np.full(len(rows), len(JOINTS))))
+    pen.columns(f"{entity}/true", times[rows], rr.Points3D.columns(positions=true.reshape(-1, 3)).partition([len(JOINTS)] * len(rows)))
     some = rows[rows % SEEN_EVERY == 0]
     joints = log.joints[some, index]
     if not len(some):
@@ -213,10 +213,6 @@ def _send_skeletons(pen: Pen, entity: str, times: Floats, log: SessionLog, index
         ids = np.broadcast_to(np.arange(len(JOINTS)), kept.shape)[kept]
         columns = rr.Points3D.columns(positions=seen[kept, :3], keypoint_ids=ids.astype(np.uint16))
         pen.columns(f"{entity}/{name}", times[some], columns.partition(kept.sum(axis=1)))
-
-
-def _points(positions: Floats, lengths: NDArray[np.integer]) -> Iterable[Any]:
-    return rr.Points3D.columns(positions=positions).partition(lengths)
 
 
 def capsules(joints: Floats) -> tuple[Floats, Floats, Floats]:
