@@ -80,7 +80,7 @@ def prepared(folders: Sequence[Path], place: Path) -> tuple[Path, float]:
 
     configs = [from_plain(read_summary(folder)["config"]) for folder in folders]
     table = timetable(configs[0])
-    moment = table.time_s(max(table.first, table.last - 1), 25.0)
+    moment = table.time_s(max(1, table.last - 1), 25.0)
     stored = folders[0] / RECORDING
     if len(folders) == 1 and stored.exists():
         if not any(True for _ in chunks(stored)):

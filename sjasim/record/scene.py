@@ -192,7 +192,11 @@ def _send_skeletons(pen: Pen, entity: str, times: Floats, log: SessionLog, index
     if not len(rows):
         return
     true = log.joints[rows, index]
-    pen.columns(f"{entity}/true", times[rows], rr.Points3D.columns(positions=true.reshape(-1, 3)).partition([len(JOINTS)] * len(rows)))
+    pen.columns(
+        f"{entity}/true",
+        times[rows],
+        rr.Points3D.columns(positions=true.reshape(-1, 3)).partition([len(JOINTS)] * len(rows)),
+    )
     some = rows[rows % SEEN_EVERY == 0]
     joints = log.joints[some, index]
     if not len(some):

@@ -100,7 +100,7 @@ def running(size: str = "1920x1080") -> Iterator[str]:
     with tempfile.TemporaryFile() as said:
         process, url = start(headless=True, size=size, log=said)
         try:
-            _await(process, url, said)
+            answering(process, url, said)
             yield url
         finally:
             process.terminate()
@@ -110,10 +110,22 @@ def running(size: str = "1920x1080") -> Iterator[str]:
                 process.kill()
 
 
-def _await(process: subprocess.Popen[bytes], url: str, said: IO[bytes]) -> None:
+def answering(process: subprocess.Popen[bytes], url: str, said: IO[bytes] | None = None) -> None:
+    """Wait until a viewer answers.
+
+    Args:
+        process: the viewer.
+        url: its address.
+        said: where its words went.
+
+    Raises:
+        RecordError: it ends at once, or stays silent.
+    """
     deadline = time.monotonic() + START_S
     while time.monotonic() < deadline:
         if process.poll() is not None:
+            if said is None:
+                raise RecordError("rerun's viewer ended at once")
             said.seek(0)
             raise RecordError(_reason(said.read().decode(errors="replace")))
         with contextlib.suppress(Exception):

@@ -13,7 +13,6 @@ from sjasim.types import Kind
 
 from .synthetic import DETECTION_S, ROBOT_LAG_S, session
 
-
 DECIDED_S = 0.03
 """How much later than in the synthetic session commands are sent, so that the events have arrived."""
 

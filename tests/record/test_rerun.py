@@ -1,6 +1,7 @@
 """The recording says what the tables say, every view has data, and its layout opens."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -122,7 +123,7 @@ def test_blocks_add_up_to_the_whole(log, rows, tmp_path):
     stream.save(tmp_path / "blocks.rrd")
     recorder = recording.Recorder(stream, from_plain(log.config))
     edges = [-np.inf, 10.0, 20.5, 31.0, np.inf]
-    for since, until in zip(edges, edges[1:], strict=False):
+    for since, until in itertools.pairwise(edges):
         recorder.send(log, scene.Span(since, until))
     stream.disconnect()
     count = {}
