@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from .assets.names import JOINT_INDEX
 from .config import SessionConfig
 from .stage import Stage
 from .types import Array, IntArray, RobotState
@@ -22,8 +23,11 @@ ODOMETRY_COLUMNS = (
     "t_s", "x_m", "y_m", "heading_rad", "step_m", "yaw_rate_rad_s", "true_x_m", "true_y_m", "true_heading_rad",
 )  # fmt: skip
 
-FEEL_EVERY = 3
-"""The floor's force is taken at every third tick of the robot."""
+_TORSO = [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "ShoulderLeft", "ShoulderRight")]
+_HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "WristRight")]
+
+FEEL_EVERY = 7
+"""The floor's force is taken at every seventh tick of the robot, out of step with the controller's."""
 
 
 class Ledger:
@@ -44,12 +48,15 @@ class Ledger:
         self._hands = np.empty((ticks, dancers, 2, 3))
         self._tether = np.zeros((ticks, dancers, 5))
         self._loads = np.empty((ticks, dancers))
-        self._seen = np.empty((ticks, dancers, 2))
         self._fallen = np.empty((ticks, dancers), dtype=bool)
         self._every = max(1, config.stage.balance_hz // config.stage.truth_hz)
         self._odometry = np.empty((math.ceil(end_s * config.robot.odometry_hz) + 2, len(ODOMETRY_COLUMNS)))
-        self._joints = np.empty((math.ceil(end_s * config.sensors.rate_hz) + 2, dancers, 25, 3), dtype=np.float32)
-        self._skeletons = np.full((*self._joints.shape[:3], 4), np.nan, dtype=np.float32)
+        frames = math.ceil(end_s * config.sensors.rate_hz) + 2
+        self._joints = np.empty((frames, dancers, 25, 3), dtype=np.float32)
+        self._skeletons = np.full((frames, dancers, 25, 4), np.nan, dtype=np.float32)
+        self._visible = np.zeros((frames, dancers, 25), dtype=bool)
+        self._watched = np.zeros(frames, dtype=bool)
+        self._frame = np.empty(ticks, dtype=np.int64)
         self._load = np.zeros(dancers)
         self._rows = self._rides = self._frames = self._felt = 0
 
@@ -66,11 +73,22 @@ class Ledger:
             self._odometry[self._rides] = (*row, *true_pose)
             self._rides += 1
 
-    def see(self, joints_m: Array) -> None:
-        """One frame of true joints."""
-        if self._frames < len(self._joints):
-            self._joints[self._frames] = joints_m
-            self._frames += 1
+    def see(self, joints_m: Array, visible: NDArray[np.bool_] | None, dancers: IntArray | None) -> None:
+        """One frame.
+
+        Args:
+            joints_m: (D, 25, 3) true joints [m].
+            visible: (P, 25) what the sensor that is faced could see; None if it does not watch.
+            dancers: (P,) the dancer behind each of its rows.
+        """
+        frame = self._frames
+        if frame >= len(self._joints):
+            return
+        self._joints[frame] = joints_m
+        if visible is not None:
+            self._visible[frame, dancers] = visible
+            self._watched[frame] = True
+        self._frames += 1
 
     def estimate(self, joints_m: Array, state: NDArray[np.int8], dancers: IntArray) -> None:
         """What the active client saw in the frame that `see` is about to take.
@@ -85,8 +103,8 @@ class Ledger:
             row[dancers, :, :3] = joints_m
             row[dancers, :, 3] = state
 
-    def write(self, now: float, roots: Array, stage: Stage, seen: Array, fallen: NDArray[np.bool_]) -> None:
-        """One tick of truth; ``roots`` is (D, 6), ``seen`` (D, 2): torso and hands."""
+    def write(self, now: float, roots: Array, stage: Stage, fallen: NDArray[np.bool_]) -> None:
+        """One tick of truth; ``roots`` is (D, 6)."""
         row = self._rows
         if row >= len(self._t_s):
             return
@@ -95,9 +113,16 @@ class Ledger:
         stage.copy_hands(self._hands[row])
         stage.copy_tether(self._tether[row])
         self._loads[row] = self._load
-        self._seen[row] = seen
+        self._frame[row] = max(self._frames - 1, 0)
         self._fallen[row] = fallen
         self._rows += 1
+
+    def _share_seen(self, joints: list[int], rows: slice) -> Array:
+        """(N, D) share of some joints that were seen at each tick; NaN while nobody watched."""
+        frame = self._frame[rows]
+        share = self._visible[:, :, joints].mean(axis=2)[frame]
+        share[~self._watched[frame]] = np.nan
+        return np.asarray(share)
 
     def truth(self) -> dict[str, NDArray[np.generic]]:
         """The truth as columns."""
@@ -114,8 +139,8 @@ class Ledger:
             "tether_torque_nm": np.sqrt((tether[:, :, 2:] ** 2).sum(axis=-1)),
             "load_n": self._loads[kept],
             "weight_n": np.broadcast_to(self._weight, shape),
-            "spine_seen": self._seen[kept, :, 0],
-            "hands_seen": self._seen[kept, :, 1],
+            "spine_seen": self._share_seen(_TORSO, kept),
+            "hands_seen": self._share_seen(_HANDS, kept),
             "fallen": self._fallen[kept].astype(np.int64),
         }
         return {name: tables[name].reshape(-1).copy() for name in TRUTH_COLUMNS}

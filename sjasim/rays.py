@@ -1,4 +1,4 @@
-"""Rays against geometric primitives, compiled: the first surface along each ray and whose it is.
+"""Rays against geometric primitives, compiled: which points something hides from an eye.
 
 Exact for planes, spheres, capsules, ellipsoids, cylinders and boxes; a test holds it against MuJoCo's own rays,
 which cost several times as much for a scene of this size.
@@ -6,15 +6,18 @@ which cost several times as much for a scene of this size.
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import acos, asin, inf, pi, sqrt
 
 import numpy as np
 from numba import njit
 
-from .types import Array, IntArray
+from .types import Array, BoolArray, IntArray
 
 PLANE, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX = 0, 2, 3, 4, 5, 6
 """MuJoCo's numbers of the geom types that rays can meet."""
+
+BUNDLE = 25
+"""Rays that are tested together against a cone before each is tested alone: one person's joints."""
 
 
 @njit(cache=True, inline="always")
@@ -95,48 +98,89 @@ def _meet(kind: int, size: Array, p: Array, v: Array) -> float:
 
 
 @njit(cache=True)
-def first_hits(
-    origin: Array, directions: Array, geoms: IntArray, kinds: IntArray, sizes: Array, bounds: Array,
-    positions: Array, rotations: Array, distance: Array, hit: IntArray,
+def hidden(
+    origin: Array, points: Array, whose: IntArray, flesh_m: float, geoms: IntArray, owners: IntArray, kinds: IntArray,
+    sizes: Array, bounds: Array, positions: Array, rotations: Array, out: BoolArray,
 ) -> None:  # fmt: skip
-    """Write the first surface along rays from one point.
+    """Write which points something hides from an origin.
 
     Args:
         origin: (3,) world point [m].
-        directions: (N, 3) unit vectors.
-        geoms: (G,) rows of the geoms that may be met.
+        points: (N, 3) world points [m].
+        whose: (N,) owner of each point.
+        flesh_m: how deep below its own owner's surface a point may lie and still be seen.
+        geoms: (G,) rows of the geoms that hide.
+        owners: (all,) owner of each geom.
         kinds: (all,) geom types.
         sizes: (all, 3) sizes as MuJoCo has them [m].
         bounds: (all,) radius of a sphere around each geom [m], 0 for a plane.
         positions: (all, 3) centres [m].
         rotations: (all, 9) row-major, world from geom.
-        distance: (N,) output, -1 where nothing is met [m].
-        hit: (N,) output, the geom's row, -1 for none.
+        out: (N,) output.
     """
-    count = len(directions)
     p, v = np.empty(3), np.empty(3)
-    rx, ry, rz = directions[:, 0].copy(), directions[:, 1].copy(), directions[:, 2].copy()
-    along, apart = np.empty(count), np.empty(count)
-    distance[:] = inf
-    hit[:] = -1
-    for g in geoms:
-        x, y, z = positions[g, 0] - origin[0], positions[g, 1] - origin[1], positions[g, 2] - origin[2]
-        bound = bounds[g] if bounds[g] > 0.0 else inf
-        reach = x * x + y * y + z * z - bound * bound
-        for n in range(count):
-            along[n] = x * rx[n] + y * ry[n] + z * rz[n]
-            apart[n] = reach - along[n] * along[n]
-        r = rotations[g]
+    near, rel, far = np.empty(len(geoms), np.int64), np.empty((len(geoms), 3)), np.empty(len(geoms))
+    for i in range(len(geoms)):
         for k in range(3):
-            p[k] = -(r[k] * x + r[3 + k] * y + r[6 + k] * z)
-        for n in range(count):
-            if apart[n] > 0.0 or along[n] < -bound or along[n] - bound > distance[n]:
+            rel[i, k] = positions[geoms[i], k] - origin[k]
+        far[i] = sqrt(rel[i, 0] ** 2 + rel[i, 1] ** 2 + rel[i, 2] ** 2)
+    directions, lengths = _aim(origin, points)
+    for first in range(0, len(points), BUNDLE):
+        last = min(first + BUNDLE, len(points))
+        found = _in_bundle(directions[first:last], rel, far, geoms, bounds, near)
+        for n in range(first, last):
+            d = directions[n]
+            out[n] = False
+            for i in near[:found]:
+                g = geoms[i]
+                x, y, z = rel[i, 0], rel[i, 1], rel[i, 2]
+                limit = lengths[n] - (flesh_m if owners[g] == whose[n] else 0.0)
+                if bounds[g] > 0.0:
+                    along = x * d[0] + y * d[1] + z * d[2]
+                    if along - bounds[g] > limit or far[i] * far[i] - along * along > bounds[g] * bounds[g]:
+                        continue
+                r = rotations[g]
+                for k in range(3):
+                    p[k] = -(r[k] * x + r[3 + k] * y + r[6 + k] * z)
+                    v[k] = r[k] * d[0] + r[3 + k] * d[1] + r[6 + k] * d[2]
+                if _meet(kinds[g], sizes[g], p, v) < limit:
+                    out[n] = True
+                    break
+
+
+@njit(cache=True)
+def _aim(origin: Array, points: Array) -> tuple[Array, Array]:
+    """(N, 3) unit vectors from the origin to the points, and (N,) their distances."""
+    directions, lengths = np.empty((len(points), 3)), np.empty(len(points))
+    for n in range(len(points)):
+        for k in range(3):
+            directions[n, k] = points[n, k] - origin[k]
+        lengths[n] = sqrt(directions[n, 0] ** 2 + directions[n, 1] ** 2 + directions[n, 2] ** 2)
+        directions[n] /= lengths[n]
+    return directions, lengths
+
+
+@njit(cache=True)
+def _in_bundle(bundle: Array, rel: Array, far: Array, geoms: IntArray, bounds: Array, near: IntArray) -> int:
+    """Write which geoms (places in ``geoms``) the cone around a bundle of rays may touch; returns how many."""
+    axis = np.zeros(3)
+    for d in bundle:
+        axis += d
+    length = sqrt(axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2)
+    spread = pi
+    if length > 0.5 * len(bundle):
+        axis /= length
+        least = 1.0
+        for d in bundle:
+            least = min(least, d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2])
+        spread = acos(max(-1.0, least)) + 1e-6
+    found = 0
+    for i in range(len(geoms)):
+        bound = bounds[geoms[i]]
+        if bound > 0.0 and far[i] > bound and spread < pi:
+            turned = (rel[i, 0] * axis[0] + rel[i, 1] * axis[1] + rel[i, 2] * axis[2]) / far[i]
+            if acos(max(-1.0, min(1.0, turned))) > spread + asin(bound / far[i]):
                 continue
-            for k in range(3):
-                v[k] = r[k] * rx[n] + r[3 + k] * ry[n] + r[6 + k] * rz[n]
-            t = _meet(kinds[g], sizes[g], p, v)
-            if t < distance[n]:
-                distance[n], hit[n] = t, g
-    for n in range(count):
-        if hit[n] < 0:
-            distance[n] = -1.0
+        near[found] = i
+        found += 1
+    return found

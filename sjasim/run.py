@@ -171,14 +171,23 @@ def shown(summary: Mapping[str, Any], options: Options) -> None:
 
 
 def dance(config: SessionConfig, audience: Audience | None = None) -> SessionLog:
-    """Run the session with a progress bar on stderr."""
+    """Run the session with a progress bar on stderr; it appears once the session has been found fit to dance."""
     from .session import run_session
 
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
-    with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task(f"dancing ({config.method}, seed {config.seed})", total=1.0)
+    progress = Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True)
+    task = progress.add_task(f"dancing ({config.method}, seed {config.seed})", total=1.0)
+
+    def report(share: float) -> None:
+        progress.start()
+        progress.update(task, completed=share)
+
+    try:
         watched = {} if audience is None else {"prepare": audience.prepare}
-        return run_session(config, lambda share: progress.update(task, completed=share), **watched)
+        return run_session(config, report, **watched)
+    finally:
+        if progress.live.is_started:
+            progress.stop()
 
 
 def show(summary: Mapping[str, Any], console: Console) -> None:

@@ -5,6 +5,7 @@ World -> uplinks -> server -> method -> dispatcher -> downlinks -> world again, 
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
@@ -14,8 +15,9 @@ from .anticipation.method import Method, build
 from .choreography.layout import layout
 from .choreography.timetable import timetable
 from .clock import stream
-from .config import SessionConfig
+from .config import FAULTS, SessionConfig
 from .config_io import to_plain
+from .errors import ConfigError
 from .link import Link, LinkQuality
 from .logs import Handover, SessionLog
 from .server.dispatch import Dispatcher
@@ -46,7 +48,8 @@ class Session:
         config: everything about the session.
 
     Raises:
-        SjasimError: a name is unknown, an option is not allowed, or the layout does not fit the sensors.
+        SjasimError: a name is unknown, an option is not allowed, the layout does not fit the sensors, or a fault
+            has nobody to hit.
     """
 
     def __init__(self, config: SessionConfig) -> None:
@@ -54,6 +57,7 @@ class Session:
         self.config = config
         self.timetable = timetable(config)
         self.layout = layout(config.layout, config.group, config.room, config.sensors)
+        _check_faults(config, [mount.name for mount in self.layout.mounts])
         robot = config.method != HUMANS_ONLY
         self.method: Method | None = build(config.method, config.method_options) if robot else None
         self.brief = _brief(self)
@@ -83,7 +87,7 @@ class Session:
         self._down: dict[str, Link[Inward]] = {
             name: Link(down, stream(self.config.seed, "link", name, "down")) for name in names
         }
-        self._links: tuple[Link[Any], ...] = (*self._up.values(), *self._down.values())
+        self._arrival_s = math.inf
 
     @property
     def time_s(self) -> float:
@@ -97,33 +101,40 @@ class Session:
             now = self.time_s
             for output in outputs:
                 self._send_up(now, output)
-            self._receive(now)
+            arrived = self._arrival_s <= now
+            if arrived:
+                self._receive(now)
             self._conduct(now)
             if self.server.active != self.handovers[-1].sensor:
                 self.handovers.append(Handover(now, self.server.active))
                 self.world.active = self.server.active
-            self._inputs = [parcel for link in self._down.values() for parcel in link.receive(now)]
+            self._inputs = [parcel for link in self._down.values() for parcel in link.receive(now)] if arrived else []
+            if arrived:
+                links: tuple[Link[Any], ...] = (*self._up.values(), *self._down.values())
+                self._arrival_s = min(link.next_arrival_s for link in links)
 
     def _next_due_s(self) -> float:
         """When something happens outside the world: an arrival, a timer, a boundary."""
         due = min(self.server.next_due_s, self.dispatcher.next_due_s)
         if self._boundaries:
             due = min(due, self._boundaries[0][0])
-        for link in self._links:
-            due = min(due, link.next_arrival_s)
-        return due
+        return min(due, self._arrival_s)
 
     def _send_up(self, now: float, output: Outward) -> None:
         if isinstance(output, DeviceEvent):
             self.device_events.append((output, now))
         sender = ROBOT if isinstance(output, RobotState) else output.sensor
-        self._up[sender].send(now, output)
+        self._send(self._up[sender], now, output)
+
+    def _send(self, link: Link[Any], now: float, message: Any) -> None:
+        link.send(now, message)
+        self._arrival_s = min(self._arrival_s, link.next_arrival_s)
 
     def _receive(self, now: float) -> None:
         arrived = [parcel for link in self._up.values() for parcel in link.receive(now)]
         for t_arrival_s, message in sorted(arrived, key=lambda parcel: parcel[0]):
             if isinstance(message, RobotState):
-                self.dispatcher.robot(message)
+                self.dispatcher.robot(t_arrival_s, message)
             else:
                 self._tell(t_arrival_s, message)
 
@@ -144,21 +155,24 @@ class Session:
                 hook = self.method.on_iteration_start if starts else self.method.on_iteration_end
                 self._answer(now, hook(iteration, t_s))
         if self.server.next_due_s <= now:
+            if self.method is not None:
+                self.dispatcher.listen(now)
             for order in self.server.due(now):
-                self._down[order.sensor].send(now, order)
+                self._send(self._down[order.sensor], now, order)
         if self.method is not None and self.dispatcher.next_due_s <= now:
             for wake_s in self.dispatcher.wakes_due(now):
                 self._answer(now, self.method.on_wake(wake_s))
             for command in self.dispatcher.due(now):
                 if not self.commands or command.number != self.commands[-1].number:
                     self.commands.append(command)
-                self._down[ROBOT].send(now, command)
+                self._send(self._down[ROBOT], now, command)
 
     def log(self) -> SessionLog:
         """Everything that has happened so far."""
         cpu, wall = self._started
         world = self.world
-        notices = sorted([*world.notices, *self.server.notices], key=lambda notice: notice.t_s)
+        noticed = [*world.notices, *self.server.notices, *self.dispatcher.notices]
+        notices = sorted(noticed, key=lambda notice: notice.t_s)
         return SessionLog(
             config=to_plain(self.config),
             versions=versions(),
@@ -203,7 +217,7 @@ def run_session(
     while session.time_s < session.end_s - 1e-9:
         session.advance(min(session.time_s + 1.0, session.end_s))
         if progress is not None:
-            progress(session.time_s / session.end_s)
+            progress(min(session.time_s / session.end_s, 1.0))
     return session.log()
 
 
@@ -229,6 +243,15 @@ def _brief(session: Session) -> Brief:
         iteration_start_s=tuple(table.start_s(iteration) for iteration in iterations),
         window_end_s=tuple(table.close_s(iteration) for iteration in iterations),
     )
+
+
+def _check_faults(config: SessionConfig, sensors: Sequence[str]) -> None:
+    """Refuse a fault that would hit nobody."""
+    dancers = [dancer_name(index) for index in range(config.group)]
+    for index, fault in enumerate(config.faults):
+        allowed = {"dancer": dancers, "robot": [ROBOT]}.get(FAULTS[fault.kind], sensors)
+        if fault.target not in allowed:
+            raise ConfigError(f"faults[{index}].target", fault.target, f"for {fault.kind} one of {', '.join(allowed)}")
 
 
 def _boundaries(session: Session) -> list[tuple[float, int, bool]]:

@@ -24,9 +24,9 @@ from .config import BodyConfig, RobotConfig, StageConfig
 from .errors import SjasimError
 from .humans.anatomy import Anatomy
 from .humans.body import dancer_spec
-from .rays import first_hits
+from .rays import hidden
 from .robot.body import robot_spec
-from .types import Array, DancerStates, IntArray, JointTargets, Servos, WheelCommand, WheelReading
+from .types import Array, BoolArray, DancerStates, IntArray, JointTargets, Servos, WheelCommand, WheelReading
 
 _FLOOR = (0.74, 0.72, 0.69), (0.66, 0.64, 0.61)
 _SKY = (0.80, 0.86, 0.92), (0.97, 0.97, 0.96)
@@ -108,6 +108,7 @@ class Stage:
         self._forces, self._sensed, self._com, self._linvel = (
             d.actuator_force, d.sensordata, d.subtree_com, d.subtree_linvel,
         )  # fmt: skip
+        self._joints_tick = -1
         self.tick = 0
         self.has_robot = robot is not None
         self._index(len(anatomies), body.tether == "weak")
@@ -131,7 +132,7 @@ class Stage:
         pulls = [[m.actuator(p + name).id for name in TETHERED] for p in prefixes] if tethered else []
         self._tether: IntArray = np.array(pulls, dtype=np.int64).reshape(-1, 5)
         self._tethered = tethered
-        owner = np.full(m.ngeom + 1, -1, dtype=np.int64)
+        owner = np.full(m.ngeom, -1, dtype=np.int64)
         soles = np.full(m.ngeom, -1, dtype=np.int64)
         for geom in range(m.ngeom):
             name = m.geom(geom).name
@@ -143,6 +144,8 @@ class Stage:
         self._owner, self._soles = owner, soles
         self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
         self._kinds = m.geom_type.astype(np.int64)
+        self._sizes, self._bounds = m.geom_size, m.geom_rbound
+        self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
         if self.has_robot:
             self._base = m.body(f"{ROBOT_PREFIX}base").id
             self._wheels = [m.actuator(f"{ROBOT_PREFIX}{name}").id for name in ("wheel_l", "wheel_r")]
@@ -228,32 +231,34 @@ class Stage:
     @property
     def joints_m(self) -> Array:
         """(D, 25, 3) true joint positions [m]."""
-        return self._site_xpos.take(self._sites, axis=0)
+        if self._joints_tick != self.tick:
+            self._joints = self._site_xpos.take(self._sites, axis=0)
+            self._joints.flags.writeable = False
+            self._joints_tick = self.tick
+        return self._joints
 
     @property
     def yaw_rad(self) -> Array:
         """(D,) true headings of the pelvises [rad]."""
         return self._qpos.take(self._root[:, 3])
 
-    def first_hits(self, origin: Array, directions: Array) -> tuple[Array, IntArray]:
-        """First surface along rays (N, 3) from a point, and whose it is; see `types.StageView`."""
-        count = len(directions)
-        geom = np.empty(count, dtype=np.int64)
-        distance = np.empty(count)
-        m, d = self.model, self.data
-        first_hits(
-            origin, directions, self._solid, self._kinds, m.geom_size, m.geom_rbound, d.geom_xpos, d.geom_xmat,
-            distance, geom,
+    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: float) -> BoolArray:
+        """Which points (N, 3) something hides from an eye; see `types.StageView`."""
+        out = np.empty(len(points), dtype=bool)
+        hidden(
+            origin, points, whose, flesh_m, self._solid, self._owner, self._kinds, self._sizes, self._bounds,
+            self._positions, self._rotations, out,
         )  # fmt: skip
-        return distance, self._owner[geom]
+        return out
 
     def copy_hands(self, out: Array) -> None:
         """Write the hands' centres, (D, 2, 3) left and right [m]."""
         self._site_xpos.take(self._hands, axis=0, out=out)
 
-    def roots(self) -> Array:
-        """(D, 6) pelvis x, y, z [m], yaw, pitch, roll [rad]."""
-        return self._qpos.take(self._root)
+    @property
+    def heights_m(self) -> Array:
+        """(D,) heights of the pelvises [m]."""
+        return self._qpos.take(self._root[:, 2])
 
     def copy_tether(self, out: Array) -> None:
         """Write the tethers' force x, y [N] and torque yaw, pitch, roll [Nm], (D, 5); without tethers nothing."""

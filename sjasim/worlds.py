@@ -12,7 +12,7 @@ from typing import Protocol, cast
 
 import numpy as np
 
-from .assets.names import CARDINALS, JOINT_INDEX
+from .assets.names import CARDINALS
 from .choreography.layout import Layout
 from .choreography.score import Timetable
 from .clock import DeviceClock, Task, stream
@@ -31,7 +31,6 @@ from .sensors.client import Client, Sensing
 from .stage import Stage
 from .types import (
     ROBOT,
-    Array,
     ClientOrder,
     ClientStatus,
     Cue,
@@ -50,11 +49,11 @@ Inward = MoveCommand | SyncRequest | ClientOrder
 Outward = DeviceEvent | ClientStatus | SyncReply | RobotState
 """What a world's devices send."""
 
-_TORSO = [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "ShoulderLeft", "ShoulderRight")]
-_HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "WristRight")]
 FALLEN_SHARE = 0.65
 """A dancer whose pelvis is below this share of its standing height has fallen."""
-STATE_HZ = 10
+CHECK_S = 0.2
+"""How often falls are looked for [s]."""
+STATE_HZ = 5
 """How often the robot reports its state to the server."""
 
 
@@ -103,8 +102,8 @@ class PhysicsWorld:
         self._dance(config, timetable, layout, robot)
         self._equip(config, layout, robot)
         self.ledger = Ledger(self.stage, self.end_s, config)
-        self._seen = np.full((config.group, 2), np.nan)
         self._outbox: list[Outward] = []
+        self._check_s = 0.0
         self._next_iteration = timetable.first
         self.plan()
 
@@ -146,9 +145,8 @@ class PhysicsWorld:
         self._robot_task = Task(ticks, config.robot.odometry_hz)
         self._state_task = Task(ticks, STATE_HZ)
         self._has_robot = robot
-        self._blocked_from_s = min(
-            (fault.t_s for fault in config.faults if fault.kind == "robot_blocked"), default=math.inf
-        )
+        self._blocked_from_s = _first_s(config.faults, "robot_blocked")
+        self._dead_from_s = _first_s(config.faults, "dead_robot")
         self._blocked = False
         if robot:
             pose = (float(layout.robot[0]), float(layout.robot[1]), self._timetable.heading_rad(1))
@@ -182,9 +180,12 @@ class PhysicsWorld:
         """See `World`; instants between two ticks count as the later one."""
         self._outbox = []
         now = self.time_s
+        if now >= self._check_s:
+            self._check(now)
         for t_arrival_s, message in inputs:
             if isinstance(message, MoveCommand):
-                self._executor.receive(now, message)
+                if now < self._dead_from_s:
+                    self._executor.receive(now, message)
             else:
                 reply = self._clients[message.sensor].receive(t_arrival_s, message, now)
                 if reply is not None:
@@ -219,6 +220,9 @@ class PhysicsWorld:
         self.ledger.feel(self.stage)
         if not self._has_robot:
             return
+        if now >= self._dead_from_s:
+            self.stage.drive(WheelCommand(0.0, 0.0))
+            return
         state = self._odometry.update(now, self.stage.wheels())
         event = self._robot_detector.update(state)
         if event is not None:
@@ -244,34 +248,25 @@ class PhysicsWorld:
                 seen = skeletons.joints @ self._mounts[name].world_from_sensor.T + self._mounts[name].position
                 self.ledger.estimate(seen, skeletons.state, self._sensing[name].dancers)
             self._outbox.extend(client.outputs(now))
-        self.stage.check()
-        self._seen = self._share_seen(now)
-        self.ledger.see(self.stage.joints_m)
+        faced = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
+        sensing = self._sensing[faced]
+        watched = self._clients[faced].watches(now)
+        self.ledger.see(self.stage.joints_m, sensing.visible if watched else None, sensing.dancers)
         for watch in self.watchers:
             watch(now)
 
     def _move(self, now: float) -> None:
         if now >= self._plan_s:
             self.plan()
-        roots = self.stage.roots()
-        down = (roots[:, 2] < self._fall_m) & ~self._fallen
-        if down.any():
-            self._fall(now, down)
-        tick = round(now * self._config.stage.balance_hz)
-        self.stage.apply(self.balance.targets(tick, self.stage.states()))
-        self.ledger.write(now, roots, self.stage, self._seen, self._fallen)
+        states = self.stage.states()
+        self.stage.apply(self.balance.targets(round(now * self._config.stage.balance_hz), states))
+        self.ledger.write(now, states.root, self.stage, self._fallen)
 
-    def _share_seen(self, now: float) -> Array:
-        """(D, 2) shares of torso and hands that the sensor which is faced could see; NaN if it does not watch."""
-        name = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
-        seen = np.full((self._config.group, 2), np.nan)
-        if self._clients[name].watches(now):
-            sensing = self._sensing[name]
-            seen[sensing.dancers, 0] = sensing.visible[:, _TORSO].mean(axis=1)
-            seen[sensing.dancers, 1] = sensing.visible[:, _HANDS].mean(axis=1)
-        return seen
-
-    def _fall(self, now: float, down: np.ndarray) -> None:
+    def _check(self, now: float) -> None:
+        """Now and then: is the physics sound, has anybody fallen?"""
+        self._check_s = now + CHECK_S
+        self.stage.check()
+        down = (self.stage.heights_m < self._fall_m) & ~self._fallen
         self._fallen |= down
         for index in np.flatnonzero(down):
             self.stage.let_go(int(index))
@@ -339,6 +334,11 @@ def _with_faults(cues: tuple[Cue, ...], faults: Sequence[FaultConfig]) -> tuple[
         elif fault.kind == "dancer_stops":
             out = tuple(cue for cue in out if not _hit(cue, fault))
     return out
+
+
+def _first_s(faults: Sequence[FaultConfig], kind: str) -> float:
+    """When the first fault of a kind begins; infinite without one."""
+    return min((fault.t_s for fault in faults if fault.kind == kind), default=math.inf)
 
 
 def _hit(cue: Cue, fault: FaultConfig) -> bool:

@@ -14,8 +14,8 @@ from ..types import (
     ClientStatus,
 )
 
-OVERLAP_BEAT = 31.0
-"""Beat of an iteration from which the next client watches too: one before the clap."""
+OVERLAP_BEAT = 34.0
+"""Beat of an iteration from which the next client watches too: while people turn to it."""
 
 SILENCE_S = 1.0
 """A client that says nothing for so long is dead: five reports missed."""
@@ -92,6 +92,10 @@ class ActiveClient:
     def facing(self, sensor: str, person: int) -> float:
         """Cosine between a person's heading and the direction of the sensor: 1 face to face; 0 if not known."""
         return self._clients[sensor].facing.get(person, 0.0)
+
+    def lives(self, sensor: str) -> bool:
+        """Whether a client has been heard lately."""
+        return self._clients[sensor].alive
 
     def heard(self, t_s: float, sensor: str) -> list[Notice]:
         """A client has given a sign of life at session time ``t_s``."""
