@@ -161,3 +161,14 @@ def test_a_live_session_reaches_a_viewer_that_only_this_machine_can_reach(log):
         assert set(doors) == {"127.0.0.1"}
     finally:
         live.close()
+
+
+def test_nothing_heavy_is_loaded_before_it_is_needed():
+    import subprocess
+    import sys
+
+    names = "sjasim.run, sjasim.view, sjasim.export, sjasim.session, sjasim.analysis.insight"
+    heavy = ("rerun", "matplotlib", "mcap_ros2", "imageio_ffmpeg", "PIL")
+    probe = f"import sys, {names}; print([name for name in {heavy!r} if name in sys.modules])"
+    answer = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
+    assert answer.stdout.strip() == "[]"

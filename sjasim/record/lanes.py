@@ -13,9 +13,9 @@ from ..config import SessionConfig
 from ..logs import SessionLog
 from ..types import ROBOT, Kind, Move, dancer_name
 from .insight import STAGES, Graph, Insight, told, verdict
-from .scene import AMBER, GREEN, GREY, Pen, Span
+from .scene import AMBER, GREEN, GREY, RED, Pen, Span
 
-BLUE, ORANGE, PURPLE, RED, SKY = (0, 114, 178), (213, 94, 0), (204, 121, 167), (200, 40, 40), (86, 180, 233)
+BLUE, ORANGE, PURPLE, SKY = (0, 114, 178), (213, 94, 0), (204, 121, 167), (86, 180, 233)
 NOTHING = "-"
 """The state of a lane in which nothing is shown."""
 

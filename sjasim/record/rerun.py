@@ -23,9 +23,10 @@ from ..choreography.layout import layout
 from ..config import SessionConfig
 from ..config_io import from_plain
 from ..logs import SessionLog
+from ..types import dancer_name
 from .insight import Insight
 from .lanes import fix_lanes, lane_names, send_insight, send_lanes, send_texts
-from .scene import TIMELINE, Pen, Span, fix_scene, send_dancers, send_robot, send_sensors
+from .scene import TIMELINE, Pen, Span, fix_scene, send_dancers, send_robot, send_sensors, send_tethers
 
 APPLICATION = "sjasim"
 
@@ -84,6 +85,7 @@ class Recorder:
         span = span or Span()
         send_sensors(self._pen, log, self._place, span)
         send_dancers(self._pen, log, self._config, span)
+        send_tethers(self._pen, log, self._config, span)
         send_robot(self._pen, log, span)
         send_lanes(self._pen, log, self._config, span)
         send_texts(self._pen, log, span)
@@ -105,7 +107,7 @@ def blueprint(configs: Mapping[str, SessionConfig]) -> rrb.Blueprint:
     if not others:
         return rrb.Blueprint(_single(prefix, config), panel, *hidden)
     columns = [
-        rrb.Vertical(_room(key, own), _lanes(key, own), _indices(key), _delays(key), row_shares=[3, 7, 2, 2], name=key)
+        rrb.Vertical(_room(key, own), _lanes(key, own), _indices(key), _delays(key), row_shares=[18, 58, 12, 12], name=key)
         for key, own in configs.items()
     ]
     return rrb.Blueprint(rrb.Horizontal(*columns), panel, *hidden)
@@ -140,8 +142,10 @@ def _named(prefix: str, name: str) -> str:
 
 def _room(prefix: str, config: SessionConfig) -> rrb.Spatial3DView:
     eye = rrb.EyeControls3D(position=(1.7, 3.5, 2.1), look_target=(0.0, 0.0, 0.7), eye_up=(0.0, 0.0, 1.0))
+    tethers = [_at(prefix, f"world/{dancer_name(index)}/tether") for index in range(config.group)]
     return rrb.Spatial3DView(
         origin=_at(prefix, "world"),
+        overrides={entity: rrb.EntityBehavior(visible=False) for entity in tethers},
         name=_named(prefix, f"Room ({config.method}, seed {config.seed})"),
         eye_controls=eye,
     )

@@ -26,9 +26,13 @@ SEEN_EVERY = 2
 
 TRAIL_S, TRAIL_HZ = 4.0, 5
 ROBOT_RADIUS_M, ROBOT_HEIGHT_M = 0.177, 0.42
-AMBER, GREEN, GREY, WHITE, MAGENTA = (240, 168, 13), (60, 200, 90), (120, 120, 125), (245, 245, 245), (220, 40, 160)
+AMBER, GREEN, GREY, WHITE = (240, 168, 13), (60, 200, 90), (120, 120, 125), (245, 245, 245)
+MAGENTA, RED = (220, 40, 160), (200, 40, 40)
 REACH_M, STUB_M = 1.2, 0.3
 """Length of the frustum of the active sensor, and of the others."""
+
+TETHER_HZ, NEWTONS_PER_M = 10, 50.0
+"""How often the tethers' forces are recorded, and the force that an arrow of one metre stands for."""
 
 BONES = (
     ("SpineBase", "SpineMid"), ("SpineMid", "SpineShoulder"), ("SpineShoulder", "Neck"), ("Neck", "Head"),
@@ -122,6 +126,7 @@ def fix_dancer(pen: Pen, index: int, group: int) -> None:
     pen.fixed(f"{entity}/tracked", rr.Points3D.from_fields(colors=[WHITE], class_ids=[group], radii=[0.022]))
     pen.fixed(f"{entity}/inferred", rr.Points3D.from_fields(colors=[MAGENTA], class_ids=[group + 1], radii=[0.026]))
     pen.fixed(f"{entity}/body", rr.Capsules3D.from_fields(radii=radii, colors=[(*colour, 90)], fill_mode="solid"))
+    pen.fixed(f"{entity}/tether", rr.Arrows3D.from_fields(colors=[RED], radii=[0.012]))
     name = rr.Points3D.from_fields(labels=[dancer_name(index)], colors=[colour], radii=[0.01], show_labels=True)
     pen.fixed(f"{entity}/name", name)
 
@@ -139,7 +144,7 @@ def fix_robot(pen: Pen) -> None:
     label = rr.Points3D([[0, 0, ROBOT_HEIGHT_M + 0.1]], labels=["robot"], radii=[0.01], colors=[AMBER])
     for part, shape in (("body", body), ("front", front), ("name", label)):
         pen.fixed(f"world/robot/{part}", shape)
-    pen.fixed("world/trail", rr.LineStrips3D.from_fields(colors=[AMBER], radii=[0.012]))
+    pen.fixed("world/trail", rr.Points3D.from_fields(colors=[AMBER], radii=[0.018]))
 
 
 def fix_sensor(pen: Pen, mount: Mount, sensors: SensorConfig) -> None:
@@ -184,6 +189,21 @@ def send_dancers(pen: Pen, log: SessionLog, config: SessionConfig, span: Span) -
             where = np.stack([log.truth[name][mine[rows]] for name in ("x_m", "y_m", "z_m")], axis=1)
             if len(rows):
                 pen.columns(f"{entity}/name", times[rows], rr.Points3D.columns(positions=where))
+
+
+def send_tethers(pen: Pen, log: SessionLog, config: SessionConfig, span: Span) -> None:
+    """The horizontal force of every dancer's tether, an arrow at the pelvis."""
+    every = max(1, config.stage.truth_hz // TETHER_HZ)
+    for index in range(config.group if len(log.truth.get("t_s", ())) else 0):
+        mine = np.flatnonzero(log.truth["dancer"] == index)[::every]
+        times = np.asarray(log.truth["t_s"], dtype=np.float64)[mine]
+        rows = mine[span.rows(times)]
+        if len(rows):
+            where = np.stack([log.truth[name][rows] for name in ("x_m", "y_m", "z_m")], axis=1)
+            force = [np.asarray(log.truth[name], dtype=np.float64)[rows] for name in ("tether_x_n", "tether_y_n")]
+            along = np.stack([*force, np.zeros(len(rows))], axis=1) / NEWTONS_PER_M
+            arrows = rr.Arrows3D.columns(origins=where, vectors=along)
+            pen.columns(f"world/{dancer_name(index)}/tether", times[span.rows(times)], arrows)
 
 
 def _send_skeletons(pen: Pen, entity: str, times: Floats, log: SessionLog, index: int, span: Span) -> None:
@@ -249,11 +269,16 @@ def send_robot(pen: Pen, log: SessionLog, span: Span) -> None:
     if len(rows):
         pose = rr.Transform3D.columns(translation=where[rows], quaternion=turned[rows])
         pen.columns("world/robot", t_s[rows], pose)
-    rate = 1 / float(np.median(np.diff(t_s))) if len(t_s) > 1 else 1.0
-    stride = max(1, round(rate / TRAIL_HZ))
+    stride = max(1, round(rate_of(t_s) / TRAIL_HZ))
     ends = np.arange(stride, len(t_s), stride)
     ends = ends[span.rows(t_s[ends])]
+    dots = round(TRAIL_S * TRAIL_HZ)
+    behind = np.maximum(ends[:, None] - stride * np.arange(dots), 0)
     if len(ends):
-        lift = where + np.array([0.0, 0.0, 0.02])
-        trails = [lift[max(0, end - round(TRAIL_S * rate)) : end + 1 : stride] for end in ends]
-        pen.columns("world/trail", t_s[ends], rr.LineStrips3D.columns(strips=trails))
+        trail = rr.Points3D.columns(positions=where[behind].reshape(-1, 3)).partition([dots] * len(ends))
+        pen.columns("world/trail", t_s[ends], trail)
+
+
+def rate_of(t_s: Floats) -> float:
+    """Samples per second of evenly spaced times; 1 for a single one."""
+    return 1 / float(np.median(np.diff(t_s))) if len(t_s) > 1 else 1.0

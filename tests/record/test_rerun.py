@@ -86,6 +86,12 @@ def test_lanes_hold_every_event_of_the_tables(rows, log):
     assert [content["state"] for _, content in rows["/lanes/active_sensor"]] == [["east"], ["north"]]
 
 
+def test_tethers_pull_as_the_truth_table_says(rows, log):
+    t_s, content = rows["/world/dancer_2/tether"][7]
+    row = np.flatnonzero((log.truth["dancer"] == 1) & (abs(log.truth["t_s"] - t_s) < 1e-6))[0]
+    assert content["vectors"][0][0] * scene.NEWTONS_PER_M == pytest.approx(log.truth["tether_x_n"][row], rel=1e-5)
+
+
 def test_curves_are_the_measures(rows, log):
     from sjasim.analysis.measures import measures
 
