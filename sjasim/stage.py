@@ -235,12 +235,12 @@ class Stage:
             self._joints = self._site_xpos.take(self._sites, axis=0)
             self._joints.flags.writeable = False
             self._joints_tick = self.tick
-        return self._joints
+        return np.asarray(self._joints)
 
     @property
     def yaw_rad(self) -> Array:
         """(D,) true headings of the pelvises [rad]."""
-        return self._qpos.take(self._root[:, 3])
+        return np.asarray(self._qpos.take(self._root[:, 3]))
 
     def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: float) -> BoolArray:
         """Which points (N, 3) something hides from an eye; see `types.StageView`."""
@@ -258,7 +258,7 @@ class Stage:
     @property
     def heights_m(self) -> Array:
         """(D,) heights of the pelvises [m]."""
-        return self._qpos.take(self._root[:, 2])
+        return np.asarray(self._qpos.take(self._root[:, 2]))
 
     def copy_tether(self, out: Array) -> None:
         """Write the tethers' force x, y [N] and torque yaw, pitch, roll [Nm], (D, 5); without tethers nothing."""

@@ -110,7 +110,7 @@ def test_no_event_is_lost_or_doubled_at_a_hand_over():
 
 
 def test_progress_rises_to_one(danced):
-    assert SHARES == sorted(SHARES)
+    assert sorted(SHARES) == SHARES
     assert SHARES[-1] == 1.0
 
 

@@ -54,8 +54,9 @@ EXECUTABLE = (Move.FORWARD, Move.BACKWARD, Move.STOP, Move.TURN)
 class Executor:
     """Carries out move commands, one at a time; a higher number replaces a lower one after its own dead time.
 
-    A copy of the one under way may carry another speed, which is taken at once. A base that hears nothing for ``command_timeout_s`` during a move ramps to a stop; a copy of the command that
-    arrives later lets it go on. A finished turn and a stop have nothing to time out.
+    A copy of the one under way may carry another speed, which is taken at once. A base that hears nothing for
+    ``command_timeout_s`` during a move ramps to a stop; a copy of the command that arrives later lets it go on. A
+    finished turn and a stop have nothing to time out.
 
     Attributes:
         number: of the command being carried out, 0 before the first.
