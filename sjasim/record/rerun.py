@@ -107,7 +107,9 @@ def blueprint(configs: Mapping[str, SessionConfig]) -> rrb.Blueprint:
     if not others:
         return rrb.Blueprint(_single(prefix, config), panel, *hidden)
     columns = [
-        rrb.Vertical(_room(key, own), _lanes(key, own), _indices(key), _delays(key), row_shares=[18, 58, 12, 12], name=key)
+        rrb.Vertical(
+            _room(key, own), _lanes(key, own), _indices(key), _delays(key), row_shares=[18, 58, 12, 12], name=key
+        )
         for key, own in configs.items()
     ]
     return rrb.Blueprint(rrb.Horizontal(*columns), panel, *hidden)
