@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
+from numba import njit
 
 from .assets.names import (
     ACTUATED,
@@ -73,6 +74,18 @@ def _light(spec: mujoco.MjSpec) -> None:
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
     lamp = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
     spec.worldbody.add_light(pos=[3, 1.5, 8], dir=[-0.4, -0.2, -1], type=lamp, diffuse=[0.5] * 3, specular=[0.1] * 3)
+
+
+@njit(cache=True)
+def _floor_forces(pairs: IntArray, first: IntArray, force: Array, soles: IntArray, dancers: int) -> Array:
+    """(D,) normal force on each dancer's soles; a contact's is the sum over its four pyramid edges [N]."""
+    out = np.zeros(dancers)
+    for k in range(len(pairs)):
+        owner = max(soles[pairs[k, 0]], soles[pairs[k, 1]])
+        if owner >= 0 and first[k] >= 0:
+            for edge in range(4):
+                out[owner] += force[first[k] + edge]
+    return out
 
 
 class Stage:
@@ -267,16 +280,10 @@ class Stage:
 
     def loads(self) -> Array:
         """(D,) floor force that each dancer's feet carry at this moment [N]."""
-        d = self.data
-        out = np.zeros(len(self._pelvis))
-        if d.ncon == 0:
-            return out
-        pairs, first = d.contact.geom, d.contact.efc_address
-        owner = np.maximum(self._soles[pairs[:, 0]], self._soles[pairs[:, 1]])
-        active = (owner >= 0) & (first >= 0)
-        rows = first[active][:, None] + np.arange(4)
-        np.add.at(out, owner[active], d.efc_force[rows].sum(axis=1))
-        return out
+        contact = self.data.contact
+        return np.asarray(
+            _floor_forces(contact.geom, contact.efc_address, self.data.efc_force, self._soles, len(self._pelvis))
+        )
 
     def let_go(self, dancer: int) -> None:
         """A fallen dancer's muscles and tether go limp."""
