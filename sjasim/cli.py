@@ -45,13 +45,13 @@ def main(command: Callable[[Sequence[str]], None], arguments: Sequence[str] | No
     return DONE
 
 
-def parse(options: type[T], arguments: Sequence[str], default: T, program: str, about: str) -> T:
+def parse(options: type[T], arguments: Sequence[str], default: T | None, program: str, about: str) -> T:
     """Read arguments into a dataclass of options; ``--help`` prints and exits with 0.
 
     Args:
         options: the dataclass.
         arguments: the command line without the program's name.
-        default: values of what is not given.
+        default: values of what is not given; None for the dataclass's own.
         program: what the user typed, for the help.
         about: one line for the help.
 
@@ -65,7 +65,7 @@ def parse(options: type[T], arguments: Sequence[str], default: T, program: str, 
             return tyro.cli(
                 options,
                 args=list(arguments),
-                default=default,
+                default=tyro.MISSING_NONPROP if default is None else default,
                 prog=program,
                 description=about,
                 config=(tyro.conf.FlagCreatePairsOff,),

@@ -49,6 +49,7 @@ class Ledger:
         self._odometry = np.empty((math.ceil(end_s * config.robot.odometry_hz) + 2, len(ODOMETRY_COLUMNS)))
         frames = math.ceil(end_s * config.sensors.rate_hz) + 2
         self._joints = np.empty((frames, dancers, 25, 3), dtype=np.float32)
+        self._skeletons = np.full((frames, dancers, 25, 4), np.nan, dtype=np.float32)
         self._visible = np.zeros((frames, dancers, 25), dtype=bool)
         self._watched = np.zeros(frames, dtype=bool)
         self._frame = np.empty(ticks, dtype=np.int64)
@@ -82,6 +83,19 @@ class Ledger:
             self._visible[frame, dancers] = visible
             self._watched[frame] = True
         self._frames += 1
+
+    def estimate(self, joints_m: Array, state: NDArray[np.int8], dancers: IntArray) -> None:
+        """What the active client saw in the frame that `see` is about to take.
+
+        Args:
+            joints_m: (P, 25, 3) joints in the world.
+            state: (P, 25) their tracking state.
+            dancers: (P,) who they are of.
+        """
+        if self._frames < len(self._skeletons):
+            row = self._skeletons[self._frames]
+            row[dancers, :, :3] = joints_m
+            row[dancers, :, 3] = state
 
     def write(self, now: float, roots: Array, stage: Stage, fallen: NDArray[np.bool_]) -> None:
         """One tick of truth; ``roots`` is (D, 6)."""
@@ -133,3 +147,7 @@ class Ledger:
     def joints(self) -> NDArray[np.float32]:
         """(F, D, 25, 3) true joints at frame rate [m]."""
         return self._joints[: self._frames]
+
+    def skeletons(self) -> NDArray[np.float32]:
+        """(F, D, 25, 4) what the active client saw of them, and each joint's tracking state."""
+        return self._skeletons[: self._frames]

@@ -54,6 +54,14 @@ class Notice:
 
 
 @dataclass(frozen=True, slots=True)
+class Handover:
+    """From when on a sensor's client was the active one."""
+
+    t_s: float
+    sensor: str
+
+
+@dataclass(frozen=True, slots=True)
 class SessionLog:
     """Everything a session leaves behind; read back from a session's folder it is the same value.
 
@@ -70,7 +78,10 @@ class SessionLog:
         odometry: columns of equal length at the odometry rate (t_s, x_m, y_m, heading_rad, step_m,
             yaw_rate_rad_s, true_x_m, true_y_m, true_heading_rad).
         truth: columns of equal length, one row per (tick, dancer): see `worlds.TRUTH_COLUMNS`.
+        handovers: which sensor's client was active from when on.
         joints: (F, D, 25, 3) float32 true joints at 30 Hz, or None in a log read from a folder.
+        skeletons: (F, D, 25, 4) float32 joints in the world as the active client saw them at the same frames, and
+            their tracking state; NaN where it took no frame or lost the joint. None in a log read from a folder.
         cost: ``sim_s``, ``cpu_s``, ``wall_s`` and ``peak_mb``.
     """
 
@@ -83,7 +94,9 @@ class SessionLog:
     decisions: tuple[Decision, ...] = ()
     robot_events: tuple[AgentEvent, ...] = ()
     notices: tuple[Notice, ...] = ()
+    handovers: tuple[Handover, ...] = ()
     odometry: Mapping[str, Array] = field(default_factory=dict)
     truth: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
     joints: NDArray[np.float32] | None = None
+    skeletons: NDArray[np.float32] | None = None
     cost: Mapping[str, float] = field(default_factory=dict)

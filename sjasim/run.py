@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import sys
 from collections.abc import Mapping, Sequence
@@ -18,6 +19,7 @@ from . import cli
 from .anticipation import method
 from .config import SessionConfig
 from .logs import SessionLog
+from .record.insight import Insight
 
 ABOUT = "One dance session: dancers, sensors, server, robot; its figures as a table."
 
@@ -29,12 +31,20 @@ class Options:
     Attributes:
         session: the whole configuration; every field is a flag.
         out: folder to keep the session in; new or empty.
+        view: show the session in rerun's viewer while it is danced.
+        video: film of the dance, with captions; an .mp4 file. Takes longer than the dance without a graphics card.
+        plots: folder for the figures as pictures.
+        overwrite: replace an earlier session or film.
         json: print session.json, and nothing else, on stdout.
         config: TOML file of the session's fields; flags override it.
     """
 
     session: Annotated[SessionConfig, tyro.conf.arg(name="")]
     out: Path | None = None
+    view: bool = False
+    video: Path | None = None
+    plots: Path | None = None
+    overwrite: bool = False
     json: bool = False
     config: Path | None = None
 
@@ -46,26 +56,121 @@ def command(arguments: Sequence[str]) -> None:
     config = options.session
     if config.method != "none":
         method.build(config.method, config.method_options)
+    check(options)
+    with contextlib.ExitStack() as watching:
+        audience = Audience(options, watching) if options.view or options.video else None
+        log = dance(config, audience)
+        summary = keep(log, options, audience)
+        shown(summary, options)
+        if audience is not None:
+            audience.linger()
+
+
+def check(options: Options) -> None:
+    """Find out before the dance what would fail after it.
+
+    Raises:
+        SjasimError: a target cannot be written, or something that an option needs is missing.
+    """
     if options.out is not None:
         from .record.folder import check_target
 
-        check_target(options.out)
-    log = dance(config)
+        check_target(options.out, options.overwrite)
+    if options.video is not None:
+        from .film import check_writer
+        from .view import check_file
+
+        check_writer()
+        check_file(options.video, options.overwrite)
+    if options.plots is not None:
+        from .analysis.plots import check_plots
+
+        check_plots(options.plots, options.overwrite)
+    if options.view:
+        from .view import check_display
+
+        check_display("keep the session with --out DIR, and look at it elsewhere")
+
+
+class Audience:
+    """Who watches a session while it is danced: the viewer, the film.
+
+    Args:
+        options: which.
+        closing: takes what has to be closed, whatever happens.
+    """
+
+    def __init__(self, options: Options, closing: contextlib.ExitStack) -> None:
+        self._options = options
+        self._closing = closing
+        self._film: Any = None
+        self._live: Any = None
+
+    def prepare(self, session: Any) -> None:
+        """Let them in, before the session begins."""
+        if self._options.video is not None:
+            from .film import Film
+
+            film = self._film = Film(session, self._options.video)
+            self._closing.callback(lambda: film.close(keep=False) if self._film is not None else None)
+            session.world.watchers.append(film.tick)
+        if self._options.view:
+            from .record.live import Live
+
+            live = self._live = Live(self._options.session)
+            self._closing.callback(live.close)
+            session.world.watchers.append(lambda now: live.tick(now, session.log))
+
+    def finish(self, log: SessionLog, insight: Insight) -> None:
+        """The dance is over."""
+        if self._film is not None:
+            self._film.close()
+            self._film = None
+            sys.stderr.write(f"film in {self._options.video}\n")
+        if self._live is not None:
+            self._live.finish(log, insight)
+
+    def linger(self) -> None:
+        """Wait until the viewer is closed."""
+        if self._live is not None:
+            sys.stderr.write("close the viewer, or press Ctrl-C, to end\n")
+            self._live.process.wait()
+
+
+def keep(log: SessionLog, options: Options, audience: Audience | None) -> Mapping[str, Any]:
+    """Measure the session and write what was asked for; gives session.json's content."""
     from .analysis.measures import measures
 
     summary = measures(log).as_dict()
+    if options.out is None and options.plots is None and audience is None:
+        return summary
+    from .analysis.insight import insight
+
+    found = insight(log)
+    if audience is not None:
+        audience.finish(log, found)
     if options.out is not None:
         from .record.folder import write
 
-        place = write(log, options.out, summary)
+        place = write(log, options.out, summary, insight=found, overwrite=options.overwrite)
         sys.stderr.write(f"kept in {place}\n")
+    if options.plots is not None:
+        from .analysis.plots import save_plots
+
+        names = ", ".join(path.name for path in save_plots(log, found, options.plots, options.overwrite))
+        sys.stderr.write(f"plots in {options.plots}: {names}\n")
+    return summary
+
+
+def shown(summary: Mapping[str, Any], options: Options) -> None:
+    """Print the figures, as a table or as session.json."""
     if options.json:
         sys.stdout.write(json.dumps(summary, indent=1, allow_nan=False) + "\n")
     else:
         show(summary, Console())
 
 
-def dance(config: SessionConfig) -> SessionLog:
+def dance(config: SessionConfig, audience: Audience | None = None) -> SessionLog:
     """Run the session with a progress bar on stderr; it appears once the session has been found fit to dance."""
     from .session import run_session
 
@@ -78,7 +183,8 @@ def dance(config: SessionConfig) -> SessionLog:
         progress.update(task, completed=share)
 
     try:
-        return run_session(config, report)
+        watched = {} if audience is None else {"prepare": audience.prepare}
+        return run_session(config, report, **watched)
     finally:
         if progress.live.is_started:
             progress.stop()

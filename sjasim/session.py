@@ -19,7 +19,7 @@ from .config import FAULTS, SessionConfig
 from .config_io import to_plain
 from .errors import ConfigError
 from .link import Link, LinkQuality
-from .logs import SessionLog
+from .logs import Handover, SessionLog
 from .server.dispatch import Dispatcher
 from .server.server import Server
 from .types import (
@@ -69,6 +69,8 @@ class Session:
         self._open_links([mount.name for mount in self.layout.mounts])
         self._inputs: list[tuple[float, Inward]] = []
         self._boundaries = _boundaries(self)
+        self.world.active = self.server.active
+        self.handovers = [Handover(0.0, self.server.active)]
         self.events: list[Event] = []
         self.commands: list[MoveCommand] = []
         self.device_events: list[tuple[DeviceEvent, float]] = []
@@ -103,6 +105,9 @@ class Session:
             if arrived:
                 self._receive(now)
             self._conduct(now)
+            if self.server.active != self.handovers[-1].sensor:
+                self.handovers.append(Handover(now, self.server.active))
+                self.world.active = self.server.active
             self._inputs = [parcel for link in self._down.values() for parcel in link.receive(now)] if arrived else []
             if arrived:
                 links: tuple[Link[Any], ...] = (*self._up.values(), *self._down.values())
@@ -178,9 +183,11 @@ class Session:
             decisions=tuple(self.dispatcher.decisions),
             robot_events=tuple(world.robot_events),
             notices=tuple(notices),
+            handovers=tuple(self.handovers),
             odometry=world.ledger.odometry(),
             truth=world.ledger.truth(),
             joints=world.ledger.joints(),
+            skeletons=world.ledger.skeletons(),
             cost={
                 "sim_s": self.time_s,
                 "cpu_s": time.process_time() - cpu,
@@ -189,17 +196,24 @@ class Session:
         )
 
 
-def run_session(config: SessionConfig, progress: Callable[[float], None] | None = None) -> SessionLog:
+def run_session(
+    config: SessionConfig,
+    progress: Callable[[float], None] | None = None,
+    prepare: Callable[[Session], None] | None = None,
+) -> SessionLog:
     """Dance one session from beginning to end.
 
     Args:
         config: everything about the session.
         progress: called with the share that is done, 0 to 1, about once per simulated second.
+        prepare: called with the session before it begins, for those who want to watch it (``world.watchers``).
 
     Returns:
         what was planned, seen, decided and done.
     """
     session = Session(config)
+    if prepare is not None:
+        prepare(session)
     while session.time_s < session.end_s - 1e-9:
         session.advance(min(session.time_s + 1.0, session.end_s))
         if progress is not None:

@@ -29,7 +29,8 @@ from .rays import hidden
 from .robot.body import robot_spec
 from .types import Array, BoolArray, DancerStates, IntArray, JointTargets, Servos, WheelCommand, WheelReading
 
-_FLOOR = (0.78, 0.75, 0.70), (0.70, 0.67, 0.62)
+_FLOOR = (0.74, 0.72, 0.69), (0.66, 0.64, 0.61)
+_SKY = (0.80, 0.86, 0.92), (0.97, 0.97, 0.96)
 _ANKLES = [JOINT_INDEX["AnkleLeft"], JOINT_INDEX["AnkleRight"]]
 _HANDS = [JOINT_INDEX["HandLeft"], JOINT_INDEX["HandRight"]]
 
@@ -43,17 +44,9 @@ def stage_spec(
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     spec.option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
-    spec.visual.global_.offwidth, spec.visual.global_.offheight = 1280, 960
-    spec.visual.headlight.ambient = [0.4, 0.4, 0.4]
-    spec.add_texture(
-        name="floor", type=mujoco.mjtTexture.mjTEXTURE_2D, builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
-        width=256, height=256, rgb1=_FLOOR[0], rgb2=_FLOOR[1],
-    )  # fmt: skip
-    material = spec.add_material(name="floor", texrepeat=[10, 10])
-    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
-    spec.worldbody.add_light(pos=[1.5, 1.0, 5], dir=[-0.3, -0.2, -1], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
+    _light(spec)
     spec.worldbody.add_geom(
-        name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[8, 8, 0.1], material="floor", contype=FLOOR_BIT,
+        name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 0.1], material="floor", contype=FLOOR_BIT,
         conaffinity=0, friction=[1.0, 0.005, 0.0001],
     )  # fmt: skip
     for index, anatomy in enumerate(anatomies):
@@ -63,6 +56,24 @@ def stage_spec(
         frame = spec.worldbody.add_frame(pos=[*layout.robot, 0.0])
         spec.attach(robot_spec(robot), prefix=ROBOT_PREFIX, frame=frame)
     return spec
+
+
+def _light(spec: mujoco.MjSpec) -> None:
+    """Sky, floor and lamps; nothing that a ray or the physics could meet."""
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = 1280, 960
+    spec.visual.headlight.ambient, spec.visual.headlight.diffuse = [0.45] * 3, [0.30] * 3
+    spec.visual.headlight.specular = [0.0] * 3
+    spec.visual.quality.shadowsize = 4096
+    spec.visual.rgba.haze, spec.visual.map.haze = [*_SKY[1], 1.0], 0.5
+    spec.stat.center, spec.stat.extent = [0.0, 0.0, 0.8], 6.0  # the shadows' and the far plane's measure
+    cube, plane = mujoco.mjtTexture.mjTEXTURE_SKYBOX, mujoco.mjtTexture.mjTEXTURE_2D
+    gradient, checker = mujoco.mjtBuiltin.mjBUILTIN_GRADIENT, mujoco.mjtBuiltin.mjBUILTIN_CHECKER
+    spec.add_texture(name="sky", type=cube, builtin=gradient, width=128, height=768, rgb1=_SKY[0], rgb2=_SKY[1])
+    spec.add_texture(name="floor", type=plane, builtin=checker, width=256, height=256, rgb1=_FLOOR[0], rgb2=_FLOOR[1])
+    material = spec.add_material(name="floor", texrepeat=[0.5, 0.5], texuniform=True)
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
+    lamp = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+    spec.worldbody.add_light(pos=[3, 1.5, 8], dir=[-0.4, -0.2, -1], type=lamp, diffuse=[0.5] * 3, specular=[0.1] * 3)
 
 
 @njit(cache=True)

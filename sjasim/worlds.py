@@ -85,12 +85,18 @@ class PhysicsWorld:
         timetable: the dance on the session's clock.
         layout: where everyone stands.
         robot: whether there is one.
+
+    Attributes:
+        active: the sensor whose skeletons are recorded; whoever knows which client counts says so.
+        watchers: called with the session time at every frame tick; they look and change nothing.
     """
 
     def __init__(self, config: SessionConfig, timetable: Timetable, layout: Layout, *, robot: bool) -> None:
         self._config = config
         self._timetable = timetable
         self.end_s = timetable.end_s() + config.dance.tail_s
+        self.active = CARDINALS[0]
+        self.watchers: list[Callable[[float], None]] = []
         self.notices: list[Notice] = []
         self.cues: list[Cue] = []
         self.robot_events: list[AgentEvent] = []
@@ -134,6 +140,7 @@ class PhysicsWorld:
     def _equip(self, config: SessionConfig, layout: Layout, robot: bool) -> None:
         ticks = self.stage.ticks
         self._sensing: dict[str, Sensing] = {}
+        self._mounts = {mount.name: mount for mount in layout.mounts}
         self._clients = {mount.name: self._client(config, layout, index) for index, mount in enumerate(layout.mounts)}
         self._balance_task = Task(ticks, config.stage.balance_hz)
         self._frame_task = Task(ticks, config.sensors.rate_hz)
@@ -237,13 +244,18 @@ class PhysicsWorld:
 
     def look(self, now: float) -> None:
         """A frame tick: the clients take their frames and send what is ready."""
-        for client in self._clients.values():
-            client.capture(now, self.stage)
+        for name, client in self._clients.items():
+            skeletons = client.capture(now, self.stage)
+            if name == self.active and skeletons is not None:
+                seen = skeletons.joints @ self._mounts[name].world_from_sensor.T + self._mounts[name].position
+                self.ledger.estimate(seen, skeletons.state, self._sensing[name].dancers)
             self._outbox.extend(client.outputs(now))
         faced = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
         sensing = self._sensing[faced]
         watched = self._clients[faced].watches(now)
         self.ledger.see(self.stage.joints_m, sensing.visible if watched else None, sensing.dancers)
+        for watch in self.watchers:
+            watch(now)
 
     def _move(self, now: float) -> None:
         if now >= self._plan_s:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..anticipation.appropriateness import occurrences, timing_appropriateness
-from ..anticipation.synchrony import Series, group_index, most_synchronous
+from ..anticipation.synchrony import GroupSynchrony, Series, group_index, most_synchronous
 from ..choreography.score import Timetable
 from ..config import SessionConfig
 from ..logs import AgentEvent
@@ -30,7 +30,8 @@ class Togetherness:
 
     Attributes:
         iteration: which.
-        gsi: group synchronisation index under the paper's edges.
+        graph: the group topology graph under the paper's edges.
+        gsi: its group synchronisation index.
         gsi_full_edges: under all edges, which alone compares methods fairly.
         msp: the most synchronous person of this iteration.
         follows: whom the robot followed in this iteration; "" where it followed nobody, or everybody.
@@ -39,6 +40,7 @@ class Togetherness:
     """
 
     iteration: int
+    graph: GroupSynchrony
     gsi: float
     gsi_full_edges: float
     msp: str
@@ -93,11 +95,11 @@ def together(events: Events, config: SessionConfig, timetable: Timetable) -> lis
         if iteration >= 1:
             leader = chosen if rule.since is not None and iteration >= rule.since else ""
             follows = [leader] if leader else ([] if rule.nobody_before else None)
-            paper = group_index(series, "paper", follows=follows, tau=tau, one_to_one=one_to_one).gsi
+            paper = group_index(series, "paper", follows=follows, tau=tau, one_to_one=one_to_one)
             full = group_index(series, "full", tau=tau, one_to_one=one_to_one).gsi
             steps = _steps(series, timetable, iteration)
             ta_s = np.zeros(0) if config.method == "none" else timing_appropriateness(steps[-1], steps[:-1])
-            rows.append(Togetherness(iteration, paper, full, msp, leader, steps, ta_s))
+            rows.append(Togetherness(iteration, paper, paper.gsi, full, msp, leader, steps, ta_s))
         chosen = msp
         before = msp if any(len(kinds) for _, kinds in dancers.values()) else before
     return rows

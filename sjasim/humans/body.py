@@ -9,6 +9,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from ..assets.colours import dancer_colour
 from ..assets.names import ACTUATED, FLOOR_BIT, HAND_BIT, ROBOT_BIT, ROOT_JOINTS, TETHERED, dancer_bit
 from ..config import BodyConfig
 from .anatomy import Anatomy, Segment, Shape
@@ -31,8 +32,9 @@ TETHER_GAINS = {
 
 ARMATURE = 0.02
 DAMPING = 0.6
-CLOTHES = ((0.72, 0.36, 0.27), (0.27, 0.53, 0.37), (0.25, 0.42, 0.70), (0.62, 0.45, 0.68))
-SKIN = (0.87, 0.68, 0.55)
+SKIN, SHOES = (0.80, 0.60, 0.47), (0.16, 0.16, 0.18)
+TROUSERS = 0.55
+"""Brightness of the trousers, as a share of the shirt's."""
 FORMS = {
     "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
     "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
@@ -97,10 +99,9 @@ def _segment(parent: mujoco.MjsBody, segment: Segment, index: int, group: int) -
 def _shape(body: mujoco.MjsBody, shape: Shape, index: int, group: int) -> None:
     own = dancer_bit(index)
     others = ROBOT_BIT | sum(dancer_bit(other) for other in range(group) if other != index)
-    skin = shape.role == "hand" or shape.name in ("head", "neck")
     geom = body.add_geom(
         name=shape.name, type=FORMS[shape.form], mass=shape.mass, condim=3, friction=[0.8, 0.005, 0.0001],
-        contype=own, conaffinity=others, rgba=[*(SKIN if skin else CLOTHES[index % len(CLOTHES)]), 1.0],
+        contype=own, conaffinity=others, rgba=[*_colour(shape, index), 1.0],
     )  # fmt: skip
     if shape.form == "capsule":
         geom.fromto = [*shape.a, *shape.b]
@@ -113,6 +114,15 @@ def _shape(body: mujoco.MjsBody, shape: Shape, index: int, group: int) -> None:
     elif shape.role == "sole":
         geom.contype, geom.conaffinity, geom.group = 0, FLOOR_BIT, 3
         geom.friction = [1.0, 0.005, 0.0001]
+
+
+def _colour(shape: Shape, index: int) -> tuple[float, ...]:
+    if shape.role == "hand" or shape.name in ("head", "neck"):
+        return SKIN
+    if shape.name.startswith("foot"):
+        return SHOES
+    shade = TROUSERS if shape.name.startswith(("pelvis", "thigh", "shank")) else 1.0
+    return tuple(shade * (0.12 + 0.88 * value / 255) for value in dancer_colour(index))
 
 
 def _tether(spec: mujoco.MjSpec, config: BodyConfig, scale: float) -> None:

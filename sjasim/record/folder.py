@@ -13,6 +13,7 @@ from typing import Any
 
 from ..errors import RecordError
 from ..logs import SessionLog
+from .insight import Insight
 from .tables import COLUMN_TABLES, ROW_TYPES, read_columns, read_rows, write_columns, write_rows
 
 SCHEMA = 1
@@ -22,11 +23,12 @@ COST = ("sim_s", "cpu_s", "wall_s")
 """What session.json keeps of a log's cost."""
 
 
-def check_target(folder: str | Path) -> Path:
+def check_target(folder: str | Path, overwrite: bool = False) -> Path:
     """Make sure that a session can be written to a folder, before it is danced.
 
     Args:
         folder: where to; it may be absent or empty, and so may its parents be absent.
+        overwrite: whether it may hold an earlier session, which a new one replaces.
 
     Returns:
         its full path; nothing is left on disk.
@@ -38,8 +40,11 @@ def check_target(folder: str | Path) -> Path:
     try:
         if target.exists() and not target.is_dir():
             raise RecordError(f"{target} is a file: name a new or an empty folder")
-        if target.exists() and any(target.iterdir()):
-            raise RecordError(f"{target} is not empty: name a new or an empty folder")
+        held = target.exists() and any(target.iterdir())
+        if held and not overwrite:
+            raise RecordError(f"{target} is not empty: name a new or an empty folder, or allow it with --overwrite")
+        if held and not (target / "session.json").exists():
+            raise RecordError(f"{target} holds something that is not a session: name another folder")
         ground = next(place for place in target.parents if place.exists())
         with tempfile.TemporaryDirectory(prefix=".sjasim-", dir=ground):
             pass
@@ -48,7 +53,15 @@ def check_target(folder: str | Path) -> Path:
     return target
 
 
-def write(log: SessionLog, folder: str | Path, summary: Mapping[str, object], recording: bool = True) -> Path:
+def write(
+    log: SessionLog,
+    folder: str | Path,
+    summary: Mapping[str, object],
+    recording: bool = True,
+    *,
+    insight: Insight | None = None,
+    overwrite: bool = False,
+) -> Path:
     """Write a session's folder; it appears whole or not at all.
 
     Args:
@@ -56,6 +69,8 @@ def write(log: SessionLog, folder: str | Path, summary: Mapping[str, object], re
         folder: where to; see `check_target`.
         summary: what session.json holds: the measures, the configuration, the cost.
         recording: whether session.rrd is written too.
+        insight: what the recording shows beside the log.
+        overwrite: whether an earlier session may be replaced.
 
     Returns:
         the folder's full path.
@@ -63,16 +78,18 @@ def write(log: SessionLog, folder: str | Path, summary: Mapping[str, object], re
     Raises:
         RecordError: the folder cannot be written.
     """
-    target = check_target(folder)
+    target = check_target(folder, overwrite)
     draft = None
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         draft = target.parent / f".{target.name}.partial-{secrets.token_hex(4)}"
         draft.mkdir()
-        _write_all(log, draft, summary, recording)
-        if target.exists():
-            target.rmdir()
-        os.replace(draft, target)
+        _write_all(log, draft, summary)
+        if recording:
+            from .rerun import save
+
+            save(log, draft / "session.rrd", insight)
+        _replace(draft, target)
     except OSError as error:
         raise RecordError(f"{target} cannot be written: {error.strerror or error}") from None
     finally:
@@ -102,6 +119,7 @@ def read(folder: str | Path) -> SessionLog:
         decisions=tuple(rows["decisions"][0]),
         robot_events=tuple(rows["robot_events"][0]),
         notices=tuple(rows["notices"][0]),
+        handovers=tuple(rows["handovers"][0]),
         odometry=columns["odometry"],
         truth=columns["truth"],
         cost={name: summary[name] for name in COST if name in summary},
@@ -128,7 +146,20 @@ def read_summary(folder: str | Path) -> dict[str, Any]:
     return summary
 
 
-def _write_all(log: SessionLog, draft: Path, summary: Mapping[str, object], recording: bool) -> None:
+def _replace(draft: Path, target: Path) -> None:
+    """Put the draft in the target's place; an earlier session goes only once the new one stands."""
+    if not (target.exists() and any(target.iterdir())):
+        if target.exists():
+            target.rmdir()
+        os.replace(draft, target)
+        return
+    aside = target.with_name(f".{target.name}.old-{secrets.token_hex(4)}")
+    os.replace(target, aside)
+    os.replace(draft, target)
+    shutil.rmtree(aside, ignore_errors=True)
+
+
+def _write_all(log: SessionLog, draft: Path, summary: Mapping[str, object]) -> None:
     name = session_name(log)
     rows = {table: getattr(log, table) for table in ROW_TYPES}
     rows["device_events"] = [event for event, _ in log.device_events]
@@ -141,10 +172,6 @@ def _write_all(log: SessionLog, draft: Path, summary: Mapping[str, object], reco
         write_rows(draft / f"{table}.parquet", table, values, extra.get(table, {}))
     for table in COLUMN_TABLES:
         write_columns(draft / f"{table}.parquet", getattr(log, table))
-    if recording:
-        from .rerun import save
-
-        save(log, draft / "session.rrd", summary)
     text = json.dumps(summary, indent=1, allow_nan=False)
     (draft / "session.json").write_text(text + "\n", encoding="utf-8")
 

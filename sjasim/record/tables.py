@@ -19,7 +19,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ..errors import RecordError
-from ..logs import AgentEvent, Decision, Notice
+from ..logs import AgentEvent, Decision, Handover, Notice
 from ..types import (
     Cue,
     DeviceEvent,
@@ -35,6 +35,7 @@ ROW_TYPES: Mapping[str, type] = {
     "decisions": Decision,
     "robot_events": AgentEvent,
     "notices": Notice,
+    "handovers": Handover,
 }
 """Table -> the value that one row holds."""
 
@@ -113,6 +114,22 @@ def read_rows(path: Path, table: str) -> tuple[list[Any], dict[str, list[Any]]]:
         values = stored.column(column).to_pylist()
         columns.append(_enumerated(path, column, hint, values) if _is_enum(hint) else values)
     return [ROW_TYPES[table](*row) for row in zip(*columns, strict=True)], extra
+
+
+def save_csv(table: Path, target: Path) -> None:
+    """Write a Parquet table as CSV; its folder is made if absent.
+
+    Raises:
+        RecordError: the table cannot be read, or the target cannot be written.
+    """
+    import pyarrow.csv
+
+    stored = _table(table)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        pyarrow.csv.write_csv(stored, target)
+    except OSError as error:
+        raise RecordError(f"{target} cannot be written: {error.strerror or error}") from None
 
 
 def _enumerated(path: Path, column: str, hint: Any, values: list[Any]) -> list[Any]:

@@ -13,7 +13,8 @@ from ..assets.names import FLOOR_BIT, ROBOT_BIT, dancer_bit
 from ..config import RobotConfig
 
 _MEETS = FLOOR_BIT | sum(dancer_bit(index) for index in range(8))
-_BLACK, _GREY, _SILVER = (0.09, 0.09, 0.10, 1.0), (0.26, 0.27, 0.30, 1.0), (0.70, 0.71, 0.73, 1.0)
+_BLACK, _GREY, _SILVER = (0.13, 0.13, 0.15, 1.0), (0.32, 0.33, 0.37, 1.0), (0.70, 0.71, 0.73, 1.0)
+_AMBER = (0.94, 0.66, 0.05, 1.0)
 
 _SHELL_SOLREF = (0.04, 1.0)  # a bumper and light plates: a leg meets hundreds of newtons, not thousands; assumed
 _SHELL_FRICTION = (0.5, 0.005, 0.0001)  # smooth plastic; assumed
@@ -66,7 +67,7 @@ def _add_base(base: mujoco.MjsBody, scale: float) -> None:
     _add_hull(base, "shell", shape="CYLINDER", size=size, place=place, mass=_SHELL_KG * scale, rgba=_BLACK)
     base.add_geom(  # the bumper, for the eye only
         name="bumper", type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[_SHELL_RADIUS_M + 0.001, 0.014, 0.0],
-        pos=[0.0, 0.0, 0.058], mass=0.0, contype=0, conaffinity=0, rgba=_GREY,
+        pos=[0.0, 0.0, 0.058], mass=0.0, contype=0, conaffinity=0, rgba=_AMBER,
     )  # fmt: skip
     for name, x in zip(("caster_f", "caster_b"), _CASTERS_X_M, strict=True):
         base.add_geom(

@@ -115,27 +115,31 @@ class Client:
         """Whether it is told to watch and alive."""
         return self.watching and t_s < self._dead_from_s
 
-    def capture(self, t_s: float, view: StageView) -> None:
+    def capture(self, t_s: float, view: StageView) -> Skeletons | None:
         """A frame tick: take the frame, if it is wanted.
 
         Args:
             t_s: session time, at every tick of the frame rate in order.
             view: the stage at that time.
+
+        Returns:
+            what it saw, for the record; None if it took no frame or lost it.
         """
         if t_s >= self._dead_from_s:
-            return
+            return None
         report = self._ticks * self._config.status_hz % self._config.rate_hz < self._config.status_hz
         self._ticks += 1
         self._report_due |= report
         if not (self.watching or report):
-            return
+            return None
         skeletons = self._sensing.sample(view)
         if skeletons is None:
-            return
+            return None
         if math.isnan(self._t_first_s):
             self._t_first_s = t_s
         self._pending.append(_Capture(t_s, skeletons, self.watching, self._report_due))
         self._report_due = False
+        return skeletons
 
     def outputs(self, t_s: float) -> list[DeviceEvent | ClientStatus]:
         """Everything from frames whose processing is over by session time ``t_s``, oldest first."""

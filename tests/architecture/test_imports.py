@@ -45,12 +45,13 @@ OWNERS = {
     "gymnasium": (),
     "rerun": ("record", "view"),
     "dm_control": ("interop",),
-    "mcap": ("record",),
+    "mcap": ("record",), "mcap_ros2": ("record",), "rerun_cli": ("record",),
+    "imageio_ffmpeg": ("film",), "PIL": ("film",),
     "matplotlib": ("analysis.plots",),
-}
+}  # fmt: skip
 """Library -> the rooms or modules that may import it."""
 
-HEAVY = ("mujoco", "rerun", "matplotlib", "scipy.stats", "numba", "dm_control", "mcap")
+HEAVY = ("mujoco", "rerun", "matplotlib", "scipy.stats", "numba", "dm_control", "mcap", "mcap_ros2", "imageio_ffmpeg")
 
 
 def level(name: str) -> int:

@@ -1,0 +1,132 @@
+"""``python -m sjasim.view``: a session in rerun, two sessions on one time axis, or a picture of the viewer."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import tyro
+
+from . import cli
+from .choreography.timetable import timetable
+from .config_io import from_plain
+from .errors import RecordError
+
+ABOUT = "Open a session's folder in rerun's viewer; two folders stand side by side on one time axis."
+
+
+@dataclass(frozen=True)
+class Options:
+    """Look at a session.
+
+    Attributes:
+        folder: the session's folder.
+        other: a second one, to compare.
+        screenshot: write a picture of the viewer here instead of opening a window; needs no display.
+        at: session time that the picture shows [s]; by default amid the last iteration but one.
+        overwrite: replace the picture if it exists.
+        bind: address that the viewer listens on.
+    """
+
+    folder: tyro.conf.Positional[Path]
+    other: tyro.conf.Positional[Path | None] = None
+    screenshot: Path | None = None
+    at: float | None = None
+    overwrite: bool = False
+    bind: str = "127.0.0.1"
+
+
+def command(arguments: Sequence[str]) -> None:
+    """Check the folders, then open the viewer or take the picture."""
+    options = cli.parse(Options, arguments, None, "python -m sjasim.view", ABOUT)
+    picture = options.screenshot
+    if picture is None:
+        check_display("a picture needs none: --screenshot FILE.png")
+    else:
+        check_file(picture, options.overwrite)
+    folders = [options.folder, *([options.other] if options.other else [])]
+    with tempfile.TemporaryDirectory(prefix="sjasim-") as place:
+        recording, moment = prepared(folders, Path(place))
+        if picture is None:
+            _open(recording, options.bind)
+            return
+        from .record.viewer import screenshot
+
+        for report in screenshot(recording, picture, moment if options.at is None else options.at):
+            sys.stderr.write(f"{report}\n")
+        sys.stderr.write(f"picture in {picture}\n")
+
+
+def prepared(folders: Sequence[Path], place: Path) -> tuple[Path, float]:
+    """The recording to open, and a session time worth showing.
+
+    A folder without a recording gets one from its tables, without joints.
+
+    Args:
+        folders: one or two sessions' folders.
+        place: where recordings may be written to.
+
+    Raises:
+        RecordError: a folder is not a session's, or a recording is damaged.
+    """
+    from .analysis.insight import insight
+    from .record.folder import read_summary
+    from .record.readback import RECORDING, chunks, read_whole
+    from .record.rerun import save_all
+
+    configs = [from_plain(read_summary(folder)["config"]) for folder in folders]
+    table = timetable(configs[0])
+    moment = table.time_s(max(1, table.last - 1), 25.0)
+    stored = folders[0] / RECORDING
+    if len(folders) == 1 and stored.exists():
+        if not any(True for _ in chunks(stored)):
+            raise RecordError(f"{stored} cannot be read: it holds nothing")
+        return stored, moment
+    logs = [read_whole(folder) for folder in folders]
+    names = [f"{config.method}-{config.seed}" for config in configs]
+    if len(set(names)) < len(names):
+        names = [f"{letter}-{name}" for letter, name in zip("AB", names, strict=False)]
+    prefixes = names if len(names) > 1 else [""]
+    save_all({prefix: (log, insight(log)) for prefix, log in zip(prefixes, logs, strict=True)}, place / RECORDING)
+    return place / RECORDING, moment
+
+
+def check_display(instead: str) -> None:
+    """Make sure that a window can be opened.
+
+    Raises:
+        RecordError: there is no display; ``instead`` says what to do.
+    """
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise RecordError(f"there is no display for rerun's viewer; {instead}")
+
+
+def check_file(path: Path, overwrite: bool) -> None:
+    """Make sure that a file can be written and nothing is lost by it.
+
+    Raises:
+        RecordError: it exists and may not be replaced, or its place does not take files.
+    """
+    if path.exists() and not overwrite:
+        raise RecordError(f"{path} exists: name another file, or allow it with --overwrite")
+    if not path.absolute().parent.is_dir() or path.is_dir():
+        raise RecordError(f"{path} cannot be written: its folder does not exist")
+
+
+def _open(recording: Path, bind: str) -> None:
+    from .record.viewer import start
+
+    process, _ = start(recording, bind=bind)
+    sys.stderr.write("close the viewer, or press Ctrl-C, to end\n")
+    try:
+        process.wait()
+    finally:
+        process.terminate()
+
+
+if __name__ == "__main__":
+    sys.exit(cli.main(command))

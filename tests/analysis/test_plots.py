@@ -1,0 +1,41 @@
+"""Figures are drawn for every kind of session, and none is lost."""
+
+import pytest
+
+from sjasim.analysis.insight import insight
+from sjasim.errors import RecordError
+
+from .synthetic import session
+
+pytest.importorskip("matplotlib")
+
+from sjasim.analysis import plots
+
+
+@pytest.fixture(scope="module")
+def log():
+    return session(iterations=2, joints=False)
+
+
+def test_every_figure_is_written_once(log, tmp_path):
+    found = insight(log)
+    paths = plots.save_plots(log, found, tmp_path / "plots")
+    assert {path.name for path in paths} == set(plots.FILES)
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
+    with pytest.raises(RecordError, match="--overwrite"):
+        plots.check_plots(tmp_path / "plots", overwrite=False)
+    plots.check_plots(tmp_path / "plots", overwrite=True)
+
+
+def test_humans_only_has_no_timing(tmp_path):
+    log = session(method="none", robot=False, iterations=1, joints=False)
+    paths = plots.save_plots(log, insight(log), tmp_path)
+    assert {path.name for path in paths} == {"raster.png", "graph.png"}
+
+
+def test_axes_have_units_and_titles(log):
+    found = insight(log)
+    for figure in (plots.timing([value for _, value in found.ta]), plots.delays(found)):
+        for axes in figure.axes:
+            assert axes.get_title()
+            assert "[s]" in axes.get_xlabel()

@@ -1,0 +1,174 @@
+"""Looking at kept sessions: one line for bad input, nothing lost, two sessions on one axis."""
+
+import os
+
+import numpy as np
+import pytest
+
+from sjasim import cli, export, view
+from sjasim.analysis.insight import insight
+from sjasim.analysis.measures import measures
+from sjasim.record import folder
+
+from .analysis.synthetic import session
+from .record.test_rerun import with_skeletons
+
+pytest.importorskip("rerun")
+
+from sjasim.record.readback import RECORDING, chunks, read_whole
+
+
+@pytest.fixture(scope="module")
+def log():
+    return with_skeletons(session(iterations=1))
+
+
+@pytest.fixture(scope="module")
+def kept(log, tmp_path_factory):
+    target = tmp_path_factory.mktemp("runs") / "one"
+    return folder.write(log, target, measures(log).as_dict(), insight=insight(log))
+
+
+@pytest.fixture
+def damaged(kept, tmp_path):
+    """A copy of the folder in which one file's bytes can be replaced."""
+    copy = tmp_path / "copy"
+    copy.mkdir()
+    for path in kept.iterdir():
+        (copy / path.name).write_bytes(path.read_bytes())
+    return copy
+
+
+def refused(capsys, command, *arguments):
+    """The one line that a command says when it refuses."""
+    assert cli.main(command, [str(word) for word in arguments]) == 2
+    heard = capsys.readouterr()
+    assert heard.out == ""
+    assert heard.err.startswith("error: ")
+    assert heard.err.count("\n") == 1
+    return heard.err
+
+
+def test_joints_come_back_from_the_recording(log, kept):
+    again = read_whole(kept)
+    assert np.array_equal(again.joints, log.joints)
+    seen = ~np.isnan(again.skeletons[..., 3])
+    assert seen[::2].all()
+    assert np.array_equal(again.skeletons[seen], log.skeletons[seen])
+
+
+def test_two_sessions_share_one_axis(kept, tmp_path):
+    recording, _ = view.prepared([kept, kept], tmp_path)
+    entities = {entity for entity, _ in chunks(recording)}
+    for part in ("world/dancer_1/true", "world/dancer_1/tracked", "lanes/robot/moved", "curves/group/gsi"):
+        assert {f"/A-sia-0/{part}", f"/B-sia-0/{part}"} <= entities
+
+
+def test_a_folder_without_a_recording_gets_one(log, tmp_path):
+    bare = folder.write(log, tmp_path / "bare", measures(log).as_dict(), recording=False)
+    recording, moment = view.prepared([bare], tmp_path)
+    assert recording != bare / RECORDING
+    assert "/world/dancer_1/name" in {entity for entity, _ in chunks(recording)}
+    assert 20 < moment < 40
+
+
+def test_an_existing_recording_is_opened_as_it_is(kept, tmp_path):
+    assert view.prepared([kept], tmp_path)[0] == kept / RECORDING
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        ("session.rrd", lambda data: data[: len(data) // 2], "session.rrd cannot be read"),
+        ("session.rrd", lambda data: b"nonsense", "session.rrd cannot be read"),
+        ("session.json", lambda data: data.replace(b'"schema": 1', b'"schema": 99'), "version 1"),
+        ("session.json", lambda data: b"{", "damaged"),
+    ],
+)
+def test_damaged_folders_give_one_line(damaged, tmp_path, capsys, name, content, says):
+    (damaged / name).write_bytes(content((damaged / name).read_bytes()))
+    assert says in refused(capsys, view.command, damaged, "--screenshot", tmp_path / "a.png")
+
+
+def test_other_folders_and_existing_pictures_give_one_line(kept, tmp_path, capsys):
+    assert "not a session's folder" in refused(capsys, view.command, tmp_path, "--screenshot", tmp_path / "a.png")
+    (tmp_path / "a.png").write_bytes(b"mine")
+    assert "--overwrite" in refused(capsys, view.command, kept, "--screenshot", tmp_path / "a.png")
+    assert "folder does not exist" in refused(capsys, view.command, kept, "--screenshot", tmp_path / "no" / "a.png")
+    assert (tmp_path / "a.png").read_bytes() == b"mine"
+
+
+def test_without_a_display_a_picture_is_offered(kept, capsys, monkeypatch):
+    monkeypatch.setattr(view.sys, "platform", "linux")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert "--screenshot" in refused(capsys, view.command, kept)
+
+
+def test_csv_holds_the_tables(log, kept, tmp_path, capsys):
+    assert cli.main(export.command, [str(kept), "--csv", str(tmp_path / "csv")]) == 0
+    lines = (tmp_path / "csv" / "events.csv").read_text().splitlines()
+    assert lines[0] == '"session","agent","kind","t_s","t_arrival_s","early","iteration","source"'
+    assert [float(line.split(",")[3]) for line in lines[1:]] == [event.t_s for event in log.events]
+    capsys.readouterr()
+    assert "--overwrite" in refused(capsys, export.command, kept, "--csv", tmp_path / "csv")
+
+
+def test_export_wants_to_know_what(kept, capsys):
+    assert "--mcap FILE" in refused(capsys, export.command, kept)
+
+
+def test_an_earlier_session_is_replaced_only_on_request(log, kept, tmp_path):
+    target = folder.write(log, tmp_path / "one", measures(log).as_dict(), recording=False)
+    with pytest.raises(folder.RecordError, match="--overwrite"):
+        folder.check_target(target)
+    folder.write(log, target, {**measures(log).as_dict(), "again": 1}, recording=False, overwrite=True)
+    assert folder.read_summary(target)["again"] == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["one"]
+    (target / "session.json").unlink()
+    with pytest.raises(folder.RecordError, match="not a session"):
+        folder.check_target(target, overwrite=True)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.environ.get("SJASIM_VIEWER") != "1", reason="starts the viewer: SJASIM_VIEWER=1")
+def test_the_viewer_draws_every_view_without_a_display(kept, tmp_path):
+    from sjasim.record.viewer import screenshot
+
+    assert screenshot(kept / RECORDING, tmp_path / "a.png", 30.0) == []
+    assert (tmp_path / "a.png").stat().st_size > 50_000
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.environ.get("SJASIM_VIEWER") != "1", reason="starts the viewer: SJASIM_VIEWER=1")
+def test_a_live_session_reaches_a_viewer_that_only_this_machine_can_reach(log):
+    import psutil
+    import rerun as rr
+
+    from sjasim.config_io import from_plain
+    from sjasim.record.live import Live
+    from sjasim.record.viewer import answering
+
+    live = Live(from_plain(log.config), headless=True)
+    try:
+        answering(live.process, live.url)
+        for now in (5.0, 10.0, 20.0):
+            live.tick(now, lambda: log)
+        live.finish(log, insight(log))
+        state = rr.experimental.ViewerClient.connect(live.url).get_state()
+        assert [item.store_id.rpartition(":")[2] for item in state.recordings] == ["sia-0-live"]
+        doors = [c.laddr.ip for c in psutil.Process(live.process.pid).net_connections() if c.status == "LISTEN"]
+        assert set(doors) == {"127.0.0.1"}
+    finally:
+        live.close()
+
+
+def test_nothing_heavy_is_loaded_before_it_is_needed():
+    import subprocess
+    import sys
+
+    names = "sjasim.run, sjasim.view, sjasim.export, sjasim.session, sjasim.analysis.insight"
+    heavy = ("rerun", "matplotlib", "mcap_ros2", "imageio_ffmpeg", "PIL")
+    probe = f"import sys, {names}; print([name for name in {heavy!r} if name in sys.modules])"
+    answer = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
+    assert answer.stdout.strip() == "[]"
