@@ -5,6 +5,7 @@ World -> uplinks -> server -> method -> dispatcher -> downlinks -> world again, 
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
@@ -43,18 +44,23 @@ class Session:
 
     Args:
         config: everything about the session.
+        method: used in place of the one that ``config.method`` names, which then is but a name; a driver from
+            outside, such as a learning environment's agent, gives one that answers nothing and orders moves of the
+            dispatcher itself.
 
     Raises:
         SjasimError: a name is unknown, an option is not allowed, or the layout does not fit the sensors.
     """
 
-    def __init__(self, config: SessionConfig) -> None:
+    def __init__(self, config: SessionConfig, method: Method | None = None) -> None:
         self._started = time.process_time(), time.perf_counter()
         self.config = config
         self.timetable = timetable(config)
         self.layout = layout(config.layout, config.group, config.room, config.sensors)
         robot = config.method != HUMANS_ONLY
-        self.method: Method | None = build(config.method, config.method_options) if robot else None
+        self.method: Method | None = None
+        if robot:
+            self.method = method or build(config.method, config.method_options)
         self.brief = _brief(self)
         self.server = Server(self.timetable, self.layout, config)
         self.dispatcher = Dispatcher(self.brief, self.timetable, self.layout, config.robot, config.network.heartbeat_hz)
@@ -88,17 +94,19 @@ class Session:
         return self.world.time_s
 
     def advance(self, until_s: float) -> None:
-        """Go on until a session time, instant by instant."""
+        """Go on until a session time, instant by instant; where a caller pauses changes nothing."""
         while self.time_s < until_s - 1e-9:
             due = min(
-                until_s,
                 self.server.next_due_s,
                 self.dispatcher.next_due_s,
-                self._boundaries[0][0] if self._boundaries else until_s,
+                self._boundaries[0][0] if self._boundaries else math.inf,
                 min(link.next_arrival_s for link in self._links),
             )
-            outputs = self.world.advance(due, self._inputs)
+            outputs = self.world.advance(min(due, until_s), self._inputs)
+            self._inputs = []
             now = self.time_s
+            if not outputs and now < due:
+                continue
             for output in outputs:
                 self._send_up(now, output)
             self._receive(now)

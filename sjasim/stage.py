@@ -113,6 +113,8 @@ class Stage:
         self._tether: IntArray = np.array(pulls, dtype=np.int64).reshape(-1, 5)
         self._tethered = tethered
         owner = np.full(m.ngeom + 1, -1, dtype=np.int64)
+        names = [m.geom(geom).name for geom in range(m.ngeom)]
+        self._robot_geoms = np.array([name.startswith(ROBOT_PREFIX) for name in names])
         soles = np.full(m.ngeom, -1, dtype=np.int64)
         for geom in range(m.ngeom):
             name = m.geom(geom).name
@@ -251,6 +253,14 @@ class Stage:
         rows = first[active][:, None] + np.arange(4)
         np.add.at(out, owner[active], d.efc_force[rows].sum(axis=1))
         return out
+
+    def bumped(self) -> bool:
+        """Whether the robot touches a dancer at this moment."""
+        if self.data.ncon == 0:
+            return False
+        pairs = self.data.contact.geom
+        robot = self._robot_geoms[pairs]
+        return bool((robot.any(axis=1) & (self._owner[pairs] >= 0).any(axis=1)).any())
 
     def let_go(self, dancer: int) -> None:
         """A fallen dancer's muscles and tether go limp."""

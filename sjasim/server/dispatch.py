@@ -86,6 +86,11 @@ class Dispatcher:
         """The command in force, or None before the first one."""
         return self._current
 
+    @property
+    def state(self) -> RobotState | None:
+        """Where the robot last said it is, or None before it has said anything."""
+        return self._state
+
     def robot(self, state: RobotState) -> None:
         """Take in where the robot believes it is."""
         self._state = state
@@ -105,6 +110,22 @@ class Dispatcher:
             else:
                 self._intend(t_s, item)
         self._pending_s = min((item.t_s for item in self._pending.values()), default=math.inf)
+
+    def order(self, t_s: float, move: Move, speed_m_s: float = 0.0, yaw_rate_rad_s: float = 0.0) -> None:
+        """Put a command in force from outside the score, to be sent with the next `due`.
+
+        Nothing is refused: a move may come again, or against the score. It stands for the nearest step of the dance
+        that it can stand for, as far as speed and heading are concerned, and the score counts that step as sent.
+
+        Args:
+            t_s: session time of the order.
+            move: what to do.
+            speed_m_s: of DRIVE.
+            yaw_rate_rad_s: of DRIVE.
+        """
+        key = self._nearest(t_s, move)
+        self._put_in_force(t_s, key, move, "ordered from outside the score", (speed_m_s, yaw_rate_rad_s))
+        self._repeat_s = t_s
 
     def wakes_due(self, t_s: float) -> list[float]:
         """Take out the timers that have come by ``t_s``, earliest first."""
@@ -155,24 +176,40 @@ class Dispatcher:
         return "a later step has been sent" if key < self._last else ""
 
     def _send(self, t_s: float, key: Key, item: Intention) -> MoveCommand:
-        move = MOVES[self._steps[key[1]].kind]
+        command = self._put_in_force(t_s, key, MOVES[self._steps[key[1]].kind], item.why)
+        self._last = key
+        self._repeat_s = t_s + self._beat_s
+        self._log(t_s, key, "sent", item)
+        return command
+
+    def _put_in_force(
+        self, t_s: float, key: Key, move: Move, why: str, velocity: tuple[float, float] = (0.0, 0.0)
+    ) -> MoveCommand:
         iteration = key[0] + 1 if move is Move.TURN else key[0]
         command = MoveCommand(
             number=1 if self._current is None else self._current.number + 1,
             move=move,
             t_start_s=t_s,
-            speed_m_s=self._speed_m_s(key, move),
+            speed_m_s=velocity[0] if move is Move.DRIVE else self._speed_m_s(key, move),
             heading_rad=float(self._timetable.heading_rad(iteration)),
             iteration=key[0],
             ordinal=key[1],
-            why=item.why,
+            why=why,
+            yaw_rate_rad_s=velocity[1],
         )
         self._current = command
-        self._sent_s[key] = t_s
-        self._last = key
-        self._repeat_s = t_s + self._beat_s
-        self._log(t_s, key, "sent", item)
+        if move is not Move.DRIVE:
+            self._sent_s[key] = t_s
         return command
+
+    def _nearest(self, t_s: float, move: Move) -> Key:
+        """The step nearest in time whose move this is; for a move that no step has, any step."""
+        own = [step for step in self._brief.steps if MOVES[step.kind] is move] or self._brief.steps
+        starts = self._brief.iteration_start_s
+        return min(
+            ((iteration, step.ordinal) for iteration in range(1, self._brief.iterations + 1) for step in own),
+            key=lambda key: abs(starts[key[0]] + self._steps[key[1]].beat * self._brief.beat_s - t_s),
+        )
 
     def _speed_m_s(self, key: Key, move: Move) -> float:
         """Cruise that ends a forward move at its nominal end and a backward one on the slot.
