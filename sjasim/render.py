@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import sys
+import threading
+import time
 import weakref
 
 import mujoco
@@ -22,9 +25,7 @@ NO_GL = (
     "no off-screen OpenGL on this machine ({reason}): on Debian or Ubuntu install the package libegl1 "
     "(apt-get install libegl1), or libosmesa6 and set MUJOCO_GL=osmesa"
 )
-NO_DISPLAY = (
-    "render_mode 'human' needs a display, and there is none ({reason}): use 'rgb_array', or run under xvfb-run"
-)
+NO_DISPLAY = "render_mode 'human' needs a display, and there is none ({reason}): use 'rgb_array', or run under xvfb-run"
 
 
 class Pictures:
@@ -50,9 +51,10 @@ class Pictures:
             self._renderer = mujoco.Renderer(stage.model, height, width)
         except (AttributeError, ImportError, RuntimeError, mujoco.FatalError) as problem:
             raise SjasimError(NO_GL.format(reason=str(problem).splitlines()[0])) from problem
-        # Also at the interpreter's end, while OpenGL can still be told.
-        self._finish = weakref.finalize(self, self._renderer.close)
         self._camera = camera()
+        _OPEN.add(self)
+        atexit.unregister(_close_all)
+        atexit.register(_close_all)
 
     def picture(self) -> NDArray[np.uint8]:
         """(H, W, 3) what the camera sees now."""
@@ -61,11 +63,26 @@ class Pictures:
 
     def close(self) -> None:
         """Give the OpenGL context back."""
-        self._finish()
+        _OPEN.discard(self)
+        self._renderer.close()
+
+
+_OPEN: weakref.WeakSet[Pictures] = weakref.WeakSet()
+
+
+def _close_all() -> None:
+    """At the interpreter's end, before MuJoCo takes the OpenGL display away from contexts that are still open.
+
+    What is registered last runs first, and MuJoCo registers its own with the first context.
+    """
+    for pictures in tuple(_OPEN):
+        pictures.close()
 
 
 class Window:
-    """MuJoCo's own viewer, kept up to date with a stage.
+    """MuJoCo's own viewer, kept up to date with a stage, no faster than in real time.
+
+    It shows a copy, so that looking at a dance does not change it.
 
     Args:
         stage: what is seen.
@@ -78,11 +95,16 @@ class Window:
         self.check()
         import mujoco.viewer
 
-        self._viewer = mujoco.viewer.launch_passive(stage.model, stage.data, show_left_ui=False, show_right_ui=False)
+        self._stage = stage
+        self._shown = mujoco.MjData(stage.model)
+        others = set(threading.enumerate())
+        self._viewer = mujoco.viewer.launch_passive(stage.model, self._shown, show_left_ui=False, show_right_ui=False)
+        self._threads = set(threading.enumerate()) - others
         with self._viewer.lock():
             view = camera()
             for name in ("lookat", "distance", "azimuth", "elevation"):
                 setattr(self._viewer.cam, name, getattr(view, name))
+        self._began_s = time.monotonic() - stage.time_s
 
     @staticmethod
     def check() -> None:
@@ -100,12 +122,20 @@ class Window:
 
     def picture(self) -> None:
         """Show the stage as it is now; after the user has closed the window nothing happens."""
-        if self._viewer.is_running():
-            self._viewer.sync()
+        if not self._viewer.is_running():
+            return
+        with self._viewer.lock():
+            mujoco.mj_copyData(self._shown, self._stage.model, self._stage.data)
+        self._viewer.sync()
+        ahead_s = self._began_s + self._stage.time_s - time.monotonic()
+        if ahead_s > 0.0:
+            time.sleep(ahead_s)
 
     def close(self) -> None:
-        """Close the window."""
+        """Close the window, and wait for the viewer's own threads: another one must not begin beside them."""
         self._viewer.close()
+        for thread in self._threads:
+            thread.join(timeout=5.0)
 
 
 def camera() -> mujoco.MjvCamera:

@@ -86,7 +86,7 @@ class Session:
         self._down: dict[str, Link[Inward]] = {
             name: Link(down, stream(self.config.seed, "link", name, "down")) for name in names
         }
-        self._links = (*self._up.values(), *self._down.values())
+        self._links: tuple[Link[Outward] | Link[Inward], ...] = (*self._up.values(), *self._down.values())
 
     @property
     def time_s(self) -> float:
@@ -100,7 +100,7 @@ class Session:
                 self.server.next_due_s,
                 self.dispatcher.next_due_s,
                 self._boundaries[0][0] if self._boundaries else math.inf,
-                min(link.next_arrival_s for link in self._links),
+                *(link.next_arrival_s for link in self._links),
             )
             outputs = self.world.advance(min(due, until_s), self._inputs)
             self._inputs = []

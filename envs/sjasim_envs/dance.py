@@ -11,6 +11,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium import error, spaces
 from numpy.typing import NDArray
+
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
@@ -178,7 +179,7 @@ class _Dance(gym.Env[Any, Any]):
             self.render()
         return self._observed(self._observer.row()), float(sum(terms.values())), self._over, False, info
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """A picture of the stage (``rgb_array``), or the window brought up to date (``human``)."""
         if self.render_mode is None:
             gym.logger.warn("render() without a render_mode: gymnasium.make(..., render_mode='rgb_array')")
@@ -244,7 +245,7 @@ class DanceFlatEnv(DanceEnv):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
-        self.observation_space = self._observer.flat_space  # type: ignore[assignment]
+        self.observation_space = self._observer.flat_space
 
     def _observed(self, row: Row) -> Any:
         return row
@@ -288,14 +289,19 @@ def _configured(base: SessionConfig, changes: Mapping[str, Any]) -> SessionConfi
     Raises:
         error.Error: a field that does not exist or is not allowed.
     """
-    plain = {key: dataclasses.asdict(value) if dataclasses.is_dataclass(value) and not isinstance(value, type)
-             else value for key, value in changes.items()}  # fmt: skip
-    if isinstance(plain.get("seed"), np.integer):
-        plain["seed"] = int(plain["seed"])
     try:
-        config = from_plain(plain, base)
+        config = from_plain({key: _plain(value) for key, value in changes.items()}, base)
     except SjasimError as problem:
         raise error.Error(str(problem)) from problem
     if config.method == HUMANS_ONLY:
         raise error.Error("method = 'none' is not allowed: without a robot there is nothing to act with")
     return config
+
+
+def _plain(value: Any) -> Any:
+    """A room's configuration as a table, a numpy number as a number."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return dataclasses.asdict(value)
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value.item() if isinstance(value, np.generic) else value

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
+
 from sjasim.anticipation.features import LATEST_S, OLDEST_S, PERIODS, Features
 from sjasim.config import SessionConfig
 from sjasim.session import Session
@@ -68,9 +69,7 @@ class Observer:
         self._clients = clients
         sizes = [math.prod(shape) for shape, _, _ in self._parts.values()]
         ends = np.cumsum(sizes).tolist()
-        self._slices = {
-            name: slice(end - size, end) for name, size, end in zip(self._parts, sizes, ends, strict=True)
-        }
+        self._slices = {name: slice(end - size, end) for name, size, end in zip(self._parts, sizes, ends, strict=True)}
         self._low = np.concatenate([low.ravel() for _, low, _ in self._parts.values()])
         self._high = np.concatenate([high.ravel() for _, _, high in self._parts.values()])
         self._row = np.zeros(ends[-1], dtype=np.float32)
@@ -84,8 +83,8 @@ class Observer:
     @property
     def space(self) -> spaces.Dict:
         """Space of the named parts."""
-        boxes = {name: spaces.Box(low, high, dtype=np.float32) for name, (_, low, high) in self._parts.items()}
-        return spaces.Dict(boxes)
+        return spaces.Dict([(name, spaces.Box(low, high, dtype=np.float32))
+                            for name, (_, low, high) in self._parts.items()])  # fmt: skip
 
     def reset(self, session: Session) -> None:
         """Begin to watch a session."""
@@ -116,7 +115,8 @@ class Observer:
         views["client"][:] = 0.0
         views["client"][self._clients.index(active)] = 1.0
         self._see_dancers(session.world.latest(active))
-        return np.minimum(np.maximum(self._row, self._low), self._high)
+        row: Row = np.clip(self._row, self._low, self._high)
+        return row
 
     def _see_robot(self, now: float, iteration: int) -> None:
         """Odometry from its slot, along the heading that the iteration has before its turn."""

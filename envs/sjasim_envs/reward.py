@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from gymnasium import error
+
 from sjasim.analysis.group import together
 from sjasim.anticipation.appropriateness import ideal_times
 from sjasim.anticipation.history import nominal_times

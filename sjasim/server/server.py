@@ -89,11 +89,6 @@ class Server:
         """
         return self._clocks[sensor].session_time(t_device_s)
 
-    @property
-    def active(self) -> str:
-        """Sensor of the client whose events count."""
-        return self._active.name
-
     def name(self, sensor: str, person: int) -> str | None:
         """Cast name of a sensor's person; None for somebody unknown."""
         return self._persons.name(sensor, person)
