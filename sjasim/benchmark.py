@@ -52,7 +52,7 @@ class Options:
 def command(arguments: Sequence[str]) -> None:
     """Measure and print."""
     options = cli.parse(Options, arguments, Options(), "python -m sjasim.benchmark", ABOUT)
-    from .session import profile
+    from .profiling import profile
 
     sys.stderr.write("measuring one session and its raw physics ...\n")
     config = SessionConfig(method=options.method, seed=options.seed, iterations=options.iterations)

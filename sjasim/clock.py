@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 from dataclasses import dataclass
 
@@ -26,7 +27,7 @@ class Ticks:
 
     def at_or_after(self, time_s: float) -> int:
         """First tick whose time is not before ``time_s``; rounding noise of 1 ns is forgiven."""
-        return int(np.ceil(time_s * self.rate_hz - 1e-9 * self.rate_hz))
+        return math.ceil(time_s * self.rate_hz - 1e-9 * self.rate_hz)
 
     def firing(self, count: int, task_hz: int) -> int:
         """Tick of the ``count``-th firing of a task, ceil(count P / f).

@@ -305,8 +305,8 @@ class NetworkConfig:
     jitter_s: float = 0.005
     loss: float = 0.001
     uplink_extra_s: float = 0.0
-    sync_hz: int = 4
-    heartbeat_hz: int = 10
+    sync_hz: int = 2
+    heartbeat_hz: int = 5
 
     def __post_init__(self) -> None:
         _within("network.latency_s", self.latency_s, 0.0, 2.0)

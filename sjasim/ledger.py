@@ -7,9 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from .assets.names import JOINT_INDEX
 from .config import SessionConfig
 from .stage import Stage
-from .types import Array, RobotState
+from .types import Array, IntArray, RobotState
 
 TRUTH_COLUMNS = (
     "t_s", "dancer", "x_m", "y_m", "z_m", "heading_rad", "hands_m", "tether_x_n", "tether_y_n",
@@ -22,6 +23,12 @@ ODOMETRY_COLUMNS = (
     "t_s", "x_m", "y_m", "heading_rad", "step_m", "yaw_rate_rad_s", "true_x_m", "true_y_m", "true_heading_rad",
 )  # fmt: skip
 
+_TORSO = [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "ShoulderLeft", "ShoulderRight")]
+_HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "WristRight")]
+
+FEEL_EVERY = 7
+"""The floor's force is taken at every seventh tick of the robot, out of step with the controller's."""
+
 
 class Ledger:
     """Columns of truth and odometry, and the joints at frame rate.
@@ -33,19 +40,30 @@ class Ledger:
     """
 
     def __init__(self, stage: Stage, end_s: float, config: SessionConfig) -> None:
-        dancers = len(stage.servos.weight)
-        self._truth = np.full((math.ceil(end_s * config.stage.balance_hz) + 2, dancers, len(TRUTH_COLUMNS)), np.nan)
-        self._truth[:, :, 1] = np.arange(dancers)
-        self._truth[:, :, 11] = stage.servos.weight
+        self._weight = stage.servos.weight
+        dancers = len(self._weight)
+        ticks = math.ceil(end_s * config.stage.balance_hz) + 2
+        self._t_s = np.empty(ticks)
+        self._roots = np.empty((ticks, dancers, 6))
+        self._hands = np.empty((ticks, dancers, 2, 3))
+        self._tether = np.zeros((ticks, dancers, 5))
+        self._loads = np.empty((ticks, dancers))
+        self._fallen = np.empty((ticks, dancers), dtype=bool)
         self._every = max(1, config.stage.balance_hz // config.stage.truth_hz)
         self._odometry = np.empty((math.ceil(end_s * config.robot.odometry_hz) + 2, len(ODOMETRY_COLUMNS)))
-        self._joints = np.empty((math.ceil(end_s * config.sensors.rate_hz) + 2, dancers, 25, 3), dtype=np.float32)
+        frames = math.ceil(end_s * config.sensors.rate_hz) + 2
+        self._joints = np.empty((frames, dancers, 25, 3), dtype=np.float32)
+        self._visible = np.zeros((frames, dancers, 25), dtype=bool)
+        self._watched = np.zeros(frames, dtype=bool)
+        self._frame = np.empty(ticks, dtype=np.int64)
         self._load = np.zeros(dancers)
-        self._rows = self._rides = self._frames = 0
+        self._rows = self._rides = self._frames = self._felt = 0
 
     def feel(self, stage: Stage) -> None:
-        """Remember the floor's force; taken at the robot's ticks, which are out of step with the controller's."""
-        self._load = stage.loads()
+        """Remember the floor's force; called at the robot's ticks, which are out of step with the controller's."""
+        if self._felt % FEEL_EVERY == 0:
+            self._load = stage.loads()
+        self._felt += 1
 
     def ride(self, state: RobotState, true_pose: tuple[float, float, float]) -> None:
         """One odometry sample with the true pose."""
@@ -54,35 +72,64 @@ class Ledger:
             self._odometry[self._rides] = (*row, *true_pose)
             self._rides += 1
 
-    def see(self, joints_m: Array) -> None:
-        """One frame of true joints."""
-        if self._frames < len(self._joints):
-            self._joints[self._frames] = joints_m
-            self._frames += 1
+    def see(self, joints_m: Array, visible: NDArray[np.bool_] | None, dancers: IntArray | None) -> None:
+        """One frame.
 
-    def write(self, now: float, roots: Array, stage: Stage, seen: Array, fallen: NDArray[np.bool_]) -> None:
-        """One tick of truth; ``seen`` is (D, 2): spine and hands."""
-        if self._rows >= len(self._truth):
+        Args:
+            joints_m: (D, 25, 3) true joints [m].
+            visible: (P, 25) what the sensor that is faced could see; None if it does not watch.
+            dancers: (P,) the dancer behind each of its rows.
+        """
+        frame = self._frames
+        if frame >= len(self._joints):
             return
-        row = self._truth[self._rows]
-        row[:, 0] = now
-        row[:, 2:6] = roots[:, :4]
-        row[:, 6] = stage.hand_gaps()
-        tether = stage.tether()
-        row[:, 7:9] = tether[:, :2]
-        row[:, 9] = np.sqrt((tether[:, 2:] ** 2).sum(axis=1))
-        row[:, 10] = self._load
-        row[:, 12:14] = seen
-        row[:, 14] = fallen
+        self._joints[frame] = joints_m
+        if visible is not None:
+            self._visible[frame, dancers] = visible
+            self._watched[frame] = True
+        self._frames += 1
+
+    def write(self, now: float, roots: Array, stage: Stage, fallen: NDArray[np.bool_]) -> None:
+        """One tick of truth; ``roots`` is (D, 6)."""
+        row = self._rows
+        if row >= len(self._t_s):
+            return
+        self._t_s[row] = now
+        self._roots[row] = roots
+        stage.copy_hands(self._hands[row])
+        stage.copy_tether(self._tether[row])
+        self._loads[row] = self._load
+        self._frame[row] = max(self._frames - 1, 0)
+        self._fallen[row] = fallen
         self._rows += 1
+
+    def _share_seen(self, joints: list[int], rows: slice) -> Array:
+        """(N, D) share of some joints that were seen at each tick; NaN while nobody watched."""
+        frame = self._frame[rows]
+        share = self._visible[:, :, joints].mean(axis=2)[frame]
+        share[~self._watched[frame]] = np.nan
+        return np.asarray(share)
 
     def truth(self) -> dict[str, NDArray[np.generic]]:
         """The truth as columns."""
-        rows = self._truth[: self._rows : self._every].reshape(-1, len(TRUTH_COLUMNS))
-        columns: dict[str, NDArray[np.generic]] = {name: rows[:, k].copy() for k, name in enumerate(TRUTH_COLUMNS)}
-        columns["dancer"] = rows[:, 1].astype(np.int64)
-        columns["fallen"] = rows[:, 14].astype(np.int64)
-        return columns
+        kept = slice(0, self._rows, self._every)
+        shape = self._loads[kept].shape
+        hands, tether = self._hands[kept], self._tether[kept]
+        tables: dict[str, NDArray[np.generic]] = {
+            "t_s": np.broadcast_to(self._t_s[kept, None], shape),
+            "dancer": np.broadcast_to(np.arange(shape[1]), shape),
+            **{name: self._roots[kept, :, k] for k, name in enumerate(("x_m", "y_m", "z_m", "heading_rad"))},
+            "hands_m": np.sqrt(((hands[:, :, 0] - hands[:, :, 1]) ** 2).sum(axis=-1)),
+            "tether_x_n": tether[:, :, 0],
+            "tether_y_n": tether[:, :, 1],
+            "tether_torque_nm": np.sqrt((tether[:, :, 2:] ** 2).sum(axis=-1)),
+            "load_n": self._loads[kept],
+            "weight_n": np.broadcast_to(self._weight, shape),
+            "spine_seen": self._share_seen(_TORSO, kept),
+            "hands_seen": self._share_seen(_HANDS, kept),
+            "fallen": self._fallen[kept].astype(np.int64),
+        }
+        return {name: tables[name].reshape(-1).copy() for name in TRUTH_COLUMNS}
 
     def odometry(self) -> dict[str, Array]:
         """The odometry as columns; empty without a robot."""

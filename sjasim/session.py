@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
 from .anticipation.method import Method, build
 from .choreography.layout import layout
@@ -86,7 +87,7 @@ class Session:
         self._down: dict[str, Link[Inward]] = {
             name: Link(down, stream(self.config.seed, "link", name, "down")) for name in names
         }
-        self._links: tuple[Link[Outward] | Link[Inward], ...] = (*self._up.values(), *self._down.values())
+        self._arrival_s = math.inf
 
     @property
     def time_s(self) -> float:
@@ -96,28 +97,39 @@ class Session:
     def advance(self, until_s: float) -> None:
         """Go on until a session time, instant by instant; where a caller pauses changes nothing."""
         while self.time_s < until_s - 1e-9:
-            due = min(
-                self.server.next_due_s,
-                self.dispatcher.next_due_s,
-                self._boundaries[0][0] if self._boundaries else math.inf,
-                *(link.next_arrival_s for link in self._links),
-            )
-            outputs = self.world.advance(min(due, until_s), self._inputs)
+            due = self._next_due_s()
+            outputs = self.world.advance(min(until_s, due), self._inputs)
             self._inputs = []
             now = self.time_s
             if not outputs and now < due:
                 continue
             for output in outputs:
                 self._send_up(now, output)
-            self._receive(now)
+            arrived = self._arrival_s <= now
+            if arrived:
+                self._receive(now)
             self._conduct(now)
-            self._inputs = [parcel for link in self._down.values() for parcel in link.receive(now)]
+            self._inputs = [parcel for link in self._down.values() for parcel in link.receive(now)] if arrived else []
+            if arrived:
+                links = (*self._up.values(), *self._down.values())
+                self._arrival_s = min(link.next_arrival_s for link in links)
+
+    def _next_due_s(self) -> float:
+        """When something happens outside the world: an arrival, a timer, a boundary."""
+        due = min(self.server.next_due_s, self.dispatcher.next_due_s)
+        if self._boundaries:
+            due = min(due, self._boundaries[0][0])
+        return min(due, self._arrival_s)
 
     def _send_up(self, now: float, output: Outward) -> None:
         if isinstance(output, DeviceEvent):
             self.device_events.append((output, now))
         sender = ROBOT if isinstance(output, RobotState) else output.sensor
-        self._up[sender].send(now, output)
+        self._send(self._up[sender], now, output)
+
+    def _send(self, link: Link[Any], now: float, message: Any) -> None:
+        link.send(now, message)
+        self._arrival_s = min(self._arrival_s, link.next_arrival_s)
 
     def _receive(self, now: float) -> None:
         arrived = [parcel for link in self._up.values() for parcel in link.receive(now)]
@@ -143,15 +155,16 @@ class Session:
             if self.method is not None:
                 hook = self.method.on_iteration_start if starts else self.method.on_iteration_end
                 self._answer(now, hook(iteration, t_s))
-        for order in self.server.due(now):
-            self._down[order.sensor].send(now, order)
-        if self.method is not None:
+        if self.server.next_due_s <= now:
+            for order in self.server.due(now):
+                self._send(self._down[order.sensor], now, order)
+        if self.method is not None and self.dispatcher.next_due_s <= now:
             for wake_s in self.dispatcher.wakes_due(now):
                 self._answer(now, self.method.on_wake(wake_s))
             for command in self.dispatcher.due(now):
                 if not self.commands or command.number != self.commands[-1].number:
                     self.commands.append(command)
-                self._down[ROBOT].send(now, command)
+                self._send(self._down[ROBOT], now, command)
 
     def log(self) -> SessionLog:
         """Everything that has happened so far."""

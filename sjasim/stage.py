@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import mujoco
@@ -23,8 +24,9 @@ from .config import BodyConfig, RobotConfig, StageConfig
 from .errors import SjasimError
 from .humans.anatomy import Anatomy
 from .humans.body import dancer_spec
+from .rays import hidden
 from .robot.body import robot_spec
-from .types import Array, DancerStates, IntArray, JointTargets, Servos, WheelCommand, WheelReading
+from .types import Array, BoolArray, DancerStates, IntArray, JointTargets, Servos, WheelCommand, WheelReading
 
 _FLOOR = (0.78, 0.75, 0.70), (0.70, 0.67, 0.62)
 _ANKLES = [JOINT_INDEX["AnkleLeft"], JOINT_INDEX["AnkleRight"]]
@@ -90,6 +92,12 @@ class Stage:
         self.model = stage_spec(anatomies, layout, body, robot, config.rate_hz).compile()
         self.data = mujoco.MjData(self.model)
         self.ticks = Ticks(config.rate_hz)
+        d = self.data  # its arrays stay where they are, and looking them up costs more than reading them
+        self._qpos, self._qvel, self._ctrl, self._site_xpos = d.qpos, d.qvel, d.ctrl, d.site_xpos
+        self._forces, self._sensed, self._com, self._linvel = (
+            d.actuator_force, d.sensordata, d.subtree_com, d.subtree_linvel,
+        )  # fmt: skip
+        self._joints_tick = -1
         self.tick = 0
         self.has_robot = robot is not None
         self._index(len(anatomies), body.tether == "weak")
@@ -104,6 +112,7 @@ class Stage:
         prefixes = [dancer_prefix(index) for index in range(dancers)]
         self._pelvis = np.array([m.body(f"{p}pelvis").id for p in prefixes])
         self._sites = np.array([[m.site(p + joint).id for joint in JOINTS] for p in prefixes])
+        self._feet, self._hands = self._sites[:, _ANKLES], self._sites[:, _HANDS]
         self._hinges = np.array([[m.joint(p + name).qposadr[0] for name in ACTUATED] for p in prefixes])
         self._root = np.array([[m.joint(p + name).qposadr[0] for name in ROOT_JOINTS] for p in prefixes])
         self._root_dof = np.array([[m.joint(p + name).dofadr[0] for name in ROOT_JOINTS] for p in prefixes])
@@ -112,7 +121,7 @@ class Stage:
         pulls = [[m.actuator(p + name).id for name in TETHERED] for p in prefixes] if tethered else []
         self._tether: IntArray = np.array(pulls, dtype=np.int64).reshape(-1, 5)
         self._tethered = tethered
-        owner = np.full(m.ngeom + 1, -1, dtype=np.int64)
+        owner = np.full(m.ngeom, -1, dtype=np.int64)
         names = [m.geom(geom).name for geom in range(m.ngeom)]
         self._robot_geoms = np.array([name.startswith(ROBOT_PREFIX) for name in names])
         soles = np.full(m.ngeom, -1, dtype=np.int64)
@@ -124,8 +133,10 @@ class Stage:
                     if m.geom_contype[geom] == 0:
                         soles[geom] = index
         self._owner, self._soles = owner, soles
-        self._visible = np.ones(mujoco.mjNGROUP, dtype=np.uint8)
-        self._visible[3] = 0
+        self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
+        self._kinds = m.geom_type.astype(np.int64)
+        self._sizes, self._bounds = m.geom_size, m.geom_rbound
+        self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
         if self.has_robot:
             self._base = m.body(f"{ROBOT_PREFIX}base").id
             self._wheels = [m.actuator(f"{ROBOT_PREFIX}{name}").id for name in ("wheel_l", "wheel_r")]
@@ -161,85 +172,89 @@ class Stage:
         return self.ticks.time_s(self.tick)
 
     def step_to(self, tick: int) -> None:
-        """Advance the physics to a tick.
+        """Advance the physics to a tick."""
+        if tick > self.tick:
+            mujoco.mj_step(self.model, self.data, tick - self.tick)
+            self.tick = tick
+
+    def check(self) -> None:
+        """Make sure that the physics is still sound; now and then is enough.
 
         Raises:
             SjasimError: the simulation became unstable.
         """
-        if tick > self.tick:
-            mujoco.mj_step(self.model, self.data, tick - self.tick)
-            self.tick = tick
-            if self.data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:
-                raise SjasimError(f"the physics became unstable before {self.time_s:.2f} s")
+        if self.data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:
+            raise SjasimError(f"the physics became unstable before {self.time_s:.2f} s")
 
     def states(self) -> DancerStates:
         """What balance needs of every dancer."""
-        d = self.data
-        mujoco.mj_subtreeVel(self.model, d)
+        mujoco.mj_subtreeVel(self.model, self.data)
         return DancerStates(
-            com=d.subtree_com[self._pelvis],
-            com_velocity=d.subtree_linvel[self._pelvis],
-            root=d.qpos[self._root],
-            root_velocity=d.qvel[self._root_dof],
-            ankles=d.site_xpos[self._sites[:, _ANKLES]],
+            com=self._com.take(self._pelvis, axis=0),
+            com_velocity=self._linvel.take(self._pelvis, axis=0),
+            root=self._qpos.take(self._root),
+            root_velocity=self._qvel.take(self._root_dof),
+            ankles=self._site_xpos.take(self._feet, axis=0),
         )
 
     def apply(self, targets: JointTargets) -> None:
         """Set the dancers' actuators; the stage keeps a copy."""
-        self.data.ctrl[self._servo] = targets.joints
+        self._ctrl[self._servo] = targets.joints
         if self._tethered:
-            self.data.ctrl[self._tether] = targets.root
+            self._ctrl[self._tether] = targets.root
 
     def drive(self, command: WheelCommand) -> None:
         """Set the robot's wheel speeds."""
-        self.data.ctrl[self._wheels] = (command.left_rad_s, command.right_rad_s)
+        left, right = self._wheels
+        self._ctrl[left], self._ctrl[right] = command.left_rad_s, command.right_rad_s
 
     def wheels(self) -> WheelReading:
         """What the robot's encoders and gyro would feel, without their quantisation."""
-        left, right = self.data.qpos[self._wheel_angles]
-        return WheelReading(float(left), float(right), float(self.data.sensordata[self._gyro]))
+        left, right = self._wheel_angles
+        return WheelReading(self._qpos.item(left), self._qpos.item(right), self._sensed.item(self._gyro))
 
     def robot_pose(self) -> tuple[float, float, float]:
         """True position and heading (-pi to pi) of the robot [m, m, rad]."""
-        x, y, _ = self.data.xpos[self._base]
+        x, y, _ = self.data.xpos[self._base].tolist()
         forward = self.data.xmat[self._base]
-        return float(x), float(y), float(np.arctan2(forward[3], forward[0]))
+        return x, y, math.atan2(forward.item(3), forward.item(0))
 
     @property
     def joints_m(self) -> Array:
         """(D, 25, 3) true joint positions [m]."""
-        return np.asarray(self.data.site_xpos[self._sites])
+        if self._joints_tick != self.tick:
+            self._joints = self._site_xpos.take(self._sites, axis=0)
+            self._joints.flags.writeable = False
+            self._joints_tick = self.tick
+        return self._joints
 
     @property
     def yaw_rad(self) -> Array:
         """(D,) true headings of the pelvises [rad]."""
-        return np.asarray(self.data.qpos[self._root[:, 3]])
+        return self._qpos.take(self._root[:, 3])
 
-    def first_hits(self, origin: Array, directions: Array) -> tuple[Array, IntArray]:
-        """First surface along rays (N, 3) from a point, and whose it is; see `types.StageView`."""
-        count = len(directions)
-        geom = np.empty(count, dtype=np.int32)
-        distance = np.empty(count)
-        mujoco.mj_multiRay(
-            self.model, self.data, origin, directions.ravel(), self._visible, 1, -1, geom, distance, None, count,
-            10.0,
+    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: float) -> BoolArray:
+        """Which points (N, 3) something hides from an eye; see `types.StageView`."""
+        out = np.empty(len(points), dtype=bool)
+        hidden(
+            origin, points, whose, flesh_m, self._solid, self._owner, self._kinds, self._sizes, self._bounds,
+            self._positions, self._rotations, out,
         )  # fmt: skip
-        return distance, self._owner[geom]
+        return out
 
-    def hand_gaps(self) -> Array:
-        """(D,) distance between the hands' centres [m]."""
-        hands = self.data.site_xpos[self._sites[:, _HANDS]]
-        return np.asarray(np.sqrt(((hands[:, 0] - hands[:, 1]) ** 2).sum(axis=1)))
+    def copy_hands(self, out: Array) -> None:
+        """Write the hands' centres, (D, 2, 3) left and right [m]."""
+        self._site_xpos.take(self._hands, axis=0, out=out)
 
-    def roots(self) -> Array:
-        """(D, 6) pelvis x, y, z [m], yaw, pitch, roll [rad]."""
-        return np.asarray(self.data.qpos[self._root])
+    @property
+    def heights_m(self) -> Array:
+        """(D,) heights of the pelvises [m]."""
+        return self._qpos.take(self._root[:, 2])
 
-    def tether(self) -> Array:
-        """(D, 5) force x, y [N] and torque yaw, pitch, roll [Nm] of each tether at this moment."""
-        if not self._tethered:
-            return np.zeros((len(self._pelvis), 5))
-        return np.asarray(self.data.actuator_force[self._tether])
+    def copy_tether(self, out: Array) -> None:
+        """Write the tethers' force x, y [N] and torque yaw, pitch, roll [Nm], (D, 5); without tethers nothing."""
+        if self._tethered:
+            self._forces.take(self._tether, out=out)
 
     def loads(self) -> Array:
         """(D,) floor force that each dancer's feet carry at this moment [N]."""

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 ROBOT = "robot"
 """The robot's name wherever an agent is named; dancers are ``dancer_1``, ``dancer_2``, ..."""
@@ -177,16 +178,17 @@ class StageView(Protocol):
         """(D,) true headings of the pelvises [rad], 0 along world x, counter-clockwise."""
         ...
 
-    def first_hits(self, origin: Array, directions: Array) -> tuple[Array, IntArray]:
-        """Cast rays from one point.
+    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: float) -> BoolArray:
+        """Which points something hides from an eye.
 
         Args:
-            origin: (3,) world point [m].
-            directions: (N, 3) unit vectors.
+            origin: (3,) the eye [m].
+            points: (N, 3) world points [m].
+            whose: (N,) index of the dancer that each point belongs to.
+            flesh_m: how deep under its own dancer's surface a point may lie and still be seen [m].
 
         Returns:
-            (N,) distance of the first surface [m], -1 where there is none, and (N,) its owner: the dancer's
-            index, -1 for anything that is not a dancer.
+            (N,) True where a surface lies before the point.
         """
         ...
 

@@ -12,7 +12,7 @@ from typing import Protocol, cast
 
 import numpy as np
 
-from .assets.names import CARDINALS, JOINT_INDEX
+from .assets.names import CARDINALS
 from .choreography.layout import Layout
 from .choreography.score import Timetable
 from .clock import DeviceClock, Task, stream
@@ -31,7 +31,6 @@ from .sensors.client import Client, Sensing
 from .stage import Stage
 from .types import (
     ROBOT,
-    Array,
     ClientOrder,
     ClientStatus,
     Cue,
@@ -51,11 +50,11 @@ Inward = MoveCommand | SyncRequest | ClientOrder
 Outward = DeviceEvent | ClientStatus | SyncReply | RobotState
 """What a world's devices send."""
 
-_TORSO = [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "ShoulderLeft", "ShoulderRight")]
-_HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "WristRight")]
 FALLEN_SHARE = 0.65
 """A dancer whose pelvis is below this share of its standing height has fallen."""
-STATE_HZ = 10
+CHECK_S = 0.2
+"""How often falls are looked for [s]."""
+STATE_HZ = 5
 """How often the robot reports its state to the server."""
 
 
@@ -98,10 +97,10 @@ class PhysicsWorld:
         self._dance(config, timetable, layout, robot)
         self._equip(config, layout, robot)
         self.ledger = Ledger(self.stage, self.end_s, config)
-        self._seen = np.full((config.group, 2), np.nan)
         self._outbox: list[Outward] = []
+        self._check_s = 0.0
         self._next_iteration = timetable.first
-        self._plan()
+        self.plan()
 
     def _dance(self, config: SessionConfig, timetable: Timetable, layout: Layout, robot: bool) -> None:
         heading = timetable.heading_rad(timetable.first)
@@ -119,7 +118,7 @@ class PhysicsWorld:
             reference.pelvis[:, 0], config.stage, config.body, config.robot if robot else None,
         )  # fmt: skip
         omega = np.array([planner.omega for planner in self._planners])
-        self._balance = Balance(reference, omega, rate, self.stage.servos)
+        self.balance = Balance(reference, omega, rate, self.stage.servos)
         self._timing = EnsembleTiming(
             preset(config.humans),
             timetable,
@@ -145,7 +144,7 @@ class PhysicsWorld:
         )
         self._blocked = False
         if robot:
-            pose = (*(float(value) for value in layout.robot), self._timetable.heading_rad(1))
+            pose = (float(layout.robot[0]), float(layout.robot[1]), self._timetable.heading_rad(1))
             self._odometry = Odometry(config.robot, pose, stream(config.seed, "robot", "gyro"))
             self._robot_detector = RobotEventDetector(config.robot)
             self._executor = Executor(config.robot)
@@ -176,6 +175,8 @@ class PhysicsWorld:
         """See `World`; instants between two ticks count as the later one."""
         self._outbox = []
         now = self.time_s
+        if now >= self._check_s:
+            self._check(now)
         for t_arrival_s, message in inputs:
             if isinstance(message, MoveCommand):
                 self._executor.receive(now, message)
@@ -203,16 +204,17 @@ class PhysicsWorld:
         tick = self.stage.tick
         now = self.time_s
         if tick == self._robot_task.due:
-            self._drive(now)
+            self.drive(now)
             self._robot_task.advance()
         if tick == self._frame_task.due:
-            self._look(now)
+            self.look(now)
             self._frame_task.advance()
         if tick == self._balance_task.due:
             self._move(now)
             self._balance_task.advance()
 
-    def _drive(self, now: float) -> None:
+    def drive(self, now: float) -> None:
+        """A tick of the robot: odometry, events, wheel command."""
         self.ledger.feel(self.stage)
         if not self._has_robot:
             return
@@ -233,41 +235,34 @@ class PhysicsWorld:
             self._state_task.advance()
             self._outbox.append(state)
 
-    def _look(self, now: float) -> None:
+    def look(self, now: float) -> None:
+        """A frame tick: the clients take their frames and send what is ready."""
         for client in self._clients.values():
             client.capture(now, self.stage)
             self._outbox.extend(client.outputs(now))
-        self._seen = self._share_seen(now)
-        self.ledger.see(self.stage.joints_m)
+        faced = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
+        sensing = self._sensing[faced]
+        watched = self._clients[faced].watches(now)
+        self.ledger.see(self.stage.joints_m, sensing.visible if watched else None, sensing.dancers)
 
     def _move(self, now: float) -> None:
         if now >= self._plan_s:
-            self._plan()
-        roots = self.stage.roots()
-        down = (roots[:, 2] < self._fall_m) & ~self._fallen
-        if down.any():
-            self._fall(now, down)
-        tick = round(now * self._config.stage.balance_hz)
-        self.stage.apply(self._balance.targets(tick, self.stage.states()))
-        self.ledger.write(now, roots, self.stage, self._seen, self._fallen)
+            self.plan()
+        states = self.stage.states()
+        self.stage.apply(self.balance.targets(round(now * self._config.stage.balance_hz), states))
+        self.ledger.write(now, states.root, self.stage, self._fallen)
 
-    def _share_seen(self, now: float) -> Array:
-        """(D, 2) shares of torso and hands that the sensor which is faced could see; NaN if it does not watch."""
-        name = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
-        seen = np.full((self._config.group, 2), np.nan)
-        if self._clients[name].watches(now):
-            sensing = self._sensing[name]
-            seen[sensing.dancers, 0] = sensing.visible[:, _TORSO].mean(axis=1)
-            seen[sensing.dancers, 1] = sensing.visible[:, _HANDS].mean(axis=1)
-        return seen
-
-    def _fall(self, now: float, down: np.ndarray) -> None:
+    def _check(self, now: float) -> None:
+        """Now and then: is the physics sound, has anybody fallen?"""
+        self._check_s = now + CHECK_S
+        self.stage.check()
+        down = (self.stage.heights_m < self._fall_m) & ~self._fallen
         self._fallen |= down
         for index in np.flatnonzero(down):
             self.stage.let_go(int(index))
             self.notices.append(Notice(now, dancer_name(int(index)), "fell and dances no more"))
 
-    def _plan(self) -> None:
+    def plan(self) -> None:
         """Draw the next iteration's times and plan everybody's motion; people know it some beats ahead."""
         now = self.time_s
         iteration = self._next_iteration

@@ -119,7 +119,7 @@ def pair_synchrony(a: Series, b: Series, tau: float = 0.25, one_to_one: bool = F
     return PairSynchrony(float(counted.index[0, 1]), by_kind, bool(counted.empty[0, 1]))
 
 
-def pair_index(  # noqa: PLR0917 - the public signature
+def pair_index(
     times_a: Sequence[float] | Array,
     kinds_a: Sequence[str],
     times_b: Sequence[float] | Array,

@@ -6,21 +6,22 @@ Where the hands meet and how fast they close is assumed.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from ..assets.names import ACTUATED_INDEX, ARM_JOINTS, JOINT_INDEX
 from ..types import Array
-from .anatomy import Anatomy
+from .anatomy import Anatomy, Build, anatomy
 from .kinematics import hand_rotation, joint_positions
 from .profile import smooth
 
 LEFT = np.array([ACTUATED_INDEX[f"{joint}_L"] for joint in ARM_JOINTS])
 RAISE_S, CLOSE_S, HOLD_S, LOWER_S = 0.45, 0.26, 0.10, 0.50
 """A clap's parts [s]: hands up, hands together, hands held, hands down."""
-PRESS_M = 0.006
-"""How far the closing hands aim past their contact [m]."""
+PRESS = 0.0034
+"""How far the closing hands aim past their contact, as a share of stature."""
 MEET_S = 0.035
 """The palms touch so long before the closing motion would end [s]."""
 
@@ -33,14 +34,19 @@ class ArmPoses:
     open: Array
     closed: Array
 
-    @classmethod
-    def of(cls, body: Anatomy) -> ArmPoses:
-        """Poses for a build; the clapping ones are found by inverse kinematics."""
-        h = body.build.stature_m
-        reach, height = 0.165 * h, 0.155 * h
-        apart = _reach(body, np.array([reach * 0.95, 0.13 * h, height]))
-        together = _reach(body, np.array([reach, body.hand_half_m - PRESS_M, height]))
-        return cls(np.array([0.05, 0.08, 0.0, -0.18]), apart, together)
+
+@cache
+def arm_poses() -> ArmPoses:
+    """Poses of every build: all lengths go with stature, so the angles are the same for everybody.
+
+    The clapping ones are found by inverse kinematics.
+    """
+    body = anatomy(Build())
+    h = body.build.stature_m
+    reach, height = 0.165 * h, 0.155 * h
+    apart = _reach(body, np.array([reach * 0.95, 0.13 * h, height]))
+    together = _reach(body, np.array([reach, body.hand_half_m - PRESS * h, height]))
+    return ArmPoses(np.array([0.05, 0.08, 0.0, -0.18]), apart, together)
 
 
 def _reach(body: Anatomy, hand: Array) -> Array:

@@ -79,7 +79,7 @@ class Planner:
     ) -> None:
         self._anatomy = anatomy
         self._chains = anatomy.chains()
-        self._poses = arms.ArmPoses.of(anatomy)
+        self._poses = arms.arm_poses()
         self._slot = np.asarray(slot, dtype=float)
         self._move_m, self._turn_rad = move_m, turn_rad
         self._dt = 1.0 / rate_hz

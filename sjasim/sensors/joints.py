@@ -9,15 +9,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..choreography.layout import Mount
 from ..config import SensorConfig
 from ..registry import register
-from ..types import Array, IntArray, Skeletons, StageView
-
-BoolArray = NDArray[np.bool_]
+from ..types import Array, BoolArray, IntArray, Skeletons, StageView
+from .sight import age, locate, observe
 
 FLESH_M = 0.20
 """A ray that first meets the joint's own dancer so close before the joint counts as reaching it (assumed)."""
@@ -77,18 +75,18 @@ class JointsSensing:
         self._config = config
         self._persons: IntArray = np.arange(group, dtype=np.int64)
         self._persons.flags.writeable = False
-        self._owner = self.dancers.repeat(len(JOINTS))
         self._sensor_from_world = np.ascontiguousarray(mount.world_from_sensor.T)
-        fov = config.horizontal_fov_rad, config.vertical_fov_rad
-        self._slope = np.array([[math.tan(angle / 2)] for angle in fov])
+        slopes = [math.tan(angle / 2) for angle in (config.horizontal_fov_rad, config.vertical_fov_rad)]
+        self._limits = np.array([*slopes, config.min_range_m, config.max_range_m])
         size = group * len(JOINTS)
-        self._bias = config.bias_m * self._errors.standard_normal((3, size))
-        self._drift = config.drift_m * self._errors.standard_normal((3, size))
+        self._bias = config.bias_m * self._errors.standard_normal((size, 3))
+        self._drift = config.drift_m * self._errors.standard_normal((size, 3))
         self._arm = np.tile(_ARM, group)
         self._hidden = np.where(self._arm, config.hidden_factor_hand, config.hidden_factor)
         self._factor: Array = np.empty(0)
-        self._target: Array = np.empty(0)
-        self._signature = b""
+        self._owners = self.dancers.repeat(len(JOINTS))
+        self._local = np.empty((size, 3))
+        self._in_view, self._reached = np.zeros(size, dtype=bool), self.visible.reshape(-1)
         self._noises: list[Array] = []
         self._paces: dict[int, tuple[float, float, Array]] = {}
         self._t_s = -math.inf
@@ -104,62 +102,33 @@ class JointsSensing:
         """
         if self._config.frame_loss and self._losses.random() < self._config.frame_loss:
             return None
-        world = view.joints_m.take(self.dancers, axis=0).reshape(-1, 3)
-        offset = np.ascontiguousarray((world - self._mount.position).T)  # (3, P x 25) is the fast way to lie
-        local = self._sensor_from_world.dot(offset)
-        in_view = self._in_view(local)
-        visible = in_view & self._reached(view, offset)
-        self.visible = visible.reshape(self._shape)
-        factor = self._advance(view.time_s, visible)
-        torso = np.logical_or.reduce(self.visible.take(TORSO, axis=1), axis=1)
-        known = in_view & torso.repeat(len(JOINTS))
-        state = known.astype(np.int8)
-        state += known & visible & (factor <= SETTLED_FACTOR)
-        error = self._bias + self._drift
-        error *= factor
-        local += error
-        if np.count_nonzero(known) < known.size:
-            np.copyto(local, np.nan, where=~known)
-        joints = np.ascontiguousarray(local.T).reshape(*self._shape, 3)
-        state = state.reshape(self._shape)
+        points = view.joints_m.take(self.dancers, axis=0).reshape(-1, 3)
+        hidden = view.hidden(self._mount.position, points, self._owners, FLESH_M)
+        locate(
+            points, self._mount.position, self._sensor_from_world, self._limits, hidden, self._local, self._in_view,
+            self._reached,
+        )  # fmt: skip
+        self._age(view.time_s)
+        joints = np.empty((*self._shape, 3))
+        state = np.empty(self._shape, dtype=np.int8)
+        observe(
+            self._local, self._in_view, self._reached, TORSO, self._bias, self._drift, self._factor, SETTLED_FACTOR,
+            joints, state,
+        )  # fmt: skip
         joints.flags.writeable = state.flags.writeable = False
         return Skeletons(self._persons, joints, state)
 
-    def _in_view(self, local: Array) -> BoolArray:
-        """Which of the joints, (3, N) in the sensor's frame, lie in the field of view and range, (N,)."""
-        depth = local[2]
-        across, along = np.abs(local[:2]) <= self._slope * depth
-        inside: BoolArray = across & along
-        inside &= depth >= self._config.min_range_m
-        inside &= depth <= self._config.max_range_m
-        return inside
-
-    def _reached(self, view: StageView, offset: Array) -> BoolArray:
-        """Which of the joints, (3, N) from the sensor in world axes, a ray reaches, (N,)."""
-        distance = np.sqrt(np.add.reduce(offset * offset, axis=0))
-        hit, owner = view.first_hits(self._mount.position, np.ascontiguousarray((offset / distance).T))
-        reached: BoolArray = hit >= distance - FLESH_M * (owner == self._owner)
-        reached |= hit < 0.0
-        return reached
-
-    def _advance(self, t_s: float, visible: BoolArray) -> Array:
-        """Move the errors on to this frame and return their factor, (N,)."""
-        signature = visible.tobytes()
-        if signature != self._signature:
-            self._signature = signature
-            self._target = np.where(visible, 1.0, self._hidden)
+    def _age(self, t_s: float) -> None:
+        """Move the errors on to this frame; at the first one they are as the present sight leaves them."""
         if not self._factor.size:
-            self._factor = self._target.copy()
+            self._factor = np.where(self._reached, 1.0, self._hidden)
         else:
             kept, fresh, blend = self._pace(max(1, round((t_s - self._t_s) * self._config.rate_hz)))
-            self._drift *= kept
-            self._drift += fresh * self._noise()
-            self._factor += blend * (self._target - self._factor)
+            age(self._reached, self._hidden, blend, kept, fresh, self._noise(), self._drift, self._factor)
         self._t_s = t_s
-        return self._factor
 
     def _noise(self) -> Array:
-        """Unit white noise for one frame, (3, N); drawn for many frames at a time, which is cheaper."""
+        """Unit white noise for one frame, (N, 3); drawn for many frames at a time, which is cheaper."""
         if not self._noises:
             self._noises = list(self._errors.standard_normal((_BLOCK_FRAMES, *self._drift.shape)))
         return self._noises.pop()

@@ -14,8 +14,8 @@ from ..types import (
     ClientStatus,
 )
 
-OVERLAP_BEAT = 31.0
-"""Beat of an iteration from which the next client watches too: one before the clap."""
+OVERLAP_BEAT = 34.0
+"""Beat of an iteration from which the next client watches too: while people turn to it."""
 
 SILENCE_S = 1.0
 """A client that says nothing for so long is dead: five reports missed."""

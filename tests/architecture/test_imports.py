@@ -10,8 +10,8 @@ import pytest
 from .source import Import, Module, imports, modules
 
 LEVELS = {
-    **dict.fromkeys(("types", "errors"), 0),
-    **dict.fromkeys(("registry", "clock", "link"), 1),
+    **dict.fromkeys(("types", "logs", "errors"), 0),
+    **dict.fromkeys(("registry", "clock", "link", "rays"), 1),
     **dict.fromkeys(("config", "config_io"), 2),
     **dict.fromkeys(("choreography", "assets"), 3),
     **dict.fromkeys(("humans", "robot", "sensors", "server", "anticipation", "record"), 4),
@@ -23,7 +23,7 @@ LEVELS = {
 TOP = 7
 
 SAME_LEVEL = {
-    ("errors", "types"), ("types", "errors"),
+    ("errors", "types"), ("types", "errors"), ("logs", "types"),
     ("config_io", "config"),
     ("choreography", "assets"),
     ("render", "stage"), ("ledger", "stage"), ("worlds", "stage"), ("worlds", "ledger"),
@@ -41,7 +41,7 @@ ONLY = {
 """Room -> room below -> the modules of it that may be imported (None: all)."""
 
 OWNERS = {
-    "mujoco": ("stage", "render", "humans.body", "robot.body", "interop", "benchmark"),
+    "mujoco": ("stage", "render", "humans.body", "robot.body", "interop", "profiling"),
     "gymnasium": (),
     "rerun": ("record", "view"),
     "dm_control": ("interop",),
@@ -96,7 +96,7 @@ def test_foundation_stands_on_numpy_alone():
     outside = {
         (module.name, item.target.partition(".")[0])
         for module in modules()
-        if module.room in ("types", "errors")
+        if module.room in ("types", "logs", "errors")
         for item in imports(module)
         if not item.inside and item.target.partition(".")[0] not in {*sys.stdlib_module_names, "numpy"}
     }

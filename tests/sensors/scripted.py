@@ -114,7 +114,7 @@ class Script:
 
 @dataclass
 class Screen:
-    """A sphere that stops rays between two times; ``owner`` as `StageView.first_hits` reports it."""
+    """A sphere that stops rays between two times; ``owner`` is the dancer whose flesh it is."""
 
     centre: tuple[float, float, float]
     radius_m: float
@@ -139,20 +139,19 @@ class ScriptedView:
         self.yaw_rad = np.array([heading for _, heading in states])
         return self
 
-    def first_hits(self, origin: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        distance = np.full(len(directions), np.inf)
-        owner = np.full(len(directions), -1, dtype=np.int64)
+    def hidden(self, origin: np.ndarray, points: np.ndarray, whose: np.ndarray, flesh_m: float) -> np.ndarray:
+        way = points - origin
+        length = np.linalg.norm(way, axis=1)
+        out = np.zeros(len(points), dtype=bool)
         for screen in self.screens:
             if not screen.from_s <= self.time_s < screen.until_s:
                 continue
             to_centre = np.array(screen.centre) - origin
-            along = directions @ to_centre
+            along = way / length[:, None] @ to_centre
             inside = along**2 - to_centre @ to_centre + screen.radius_m**2
             hit = np.where((inside > 0) & (along > 0), along - np.sqrt(np.maximum(inside, 0.0)), np.inf)
-            nearer = hit < distance
-            distance[nearer], owner[nearer] = hit[nearer], screen.owner
-        distance[np.isinf(distance)] = -1.0
-        return distance, owner
+            out |= hit < length - np.where(whose == screen.owner, flesh_m, 0.0)
+        return out
 
 
 NORTH: Mount = layout("square", 3, RoomConfig(), SensorConfig()).mounts[0]

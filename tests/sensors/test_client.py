@@ -34,9 +34,9 @@ def walkers() -> ScriptedView:
 class Counting(ScriptedView):
     rays = 0
 
-    def first_hits(self, origin, directions):
+    def hidden(self, origin, points, whose, flesh_m):
         self.rays += 1
-        return super().first_hits(origin, directions)
+        return super().hidden(origin, points, whose, flesh_m)
 
 
 def test_an_idle_client_takes_few_frames_and_reports_status_only():
