@@ -123,7 +123,7 @@ class Stage:
         self._tethered = tethered
         owner = np.full(m.ngeom, -1, dtype=np.int64)
         names = [m.geom(geom).name for geom in range(m.ngeom)]
-        self._robot_geoms = np.array([name.startswith(ROBOT_PREFIX) for name in names])
+        self._shell = np.array([name.startswith(ROBOT_PREFIX) for name in names])
         soles = np.full(m.ngeom, -1, dtype=np.int64)
         for geom in range(m.ngeom):
             name = m.geom(geom).name
@@ -133,6 +133,7 @@ class Stage:
                     if m.geom_contype[geom] == 0:
                         soles[geom] = index
         self._owner, self._soles = owner, soles
+        self._flesh = owner >= 0
         self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
         self._kinds = m.geom_type.astype(np.int64)
         self._sizes, self._bounds = m.geom_size, m.geom_rbound
@@ -271,11 +272,8 @@ class Stage:
 
     def bumped(self) -> bool:
         """Whether the robot touches a dancer at this moment."""
-        if self.data.ncon == 0:
-            return False
-        pairs = self.data.contact.geom
-        robot = self._robot_geoms[pairs]
-        return bool((robot.any(axis=1) & (self._owner[pairs] >= 0).any(axis=1)).any())
+        first, second = self.data.contact.geom.T
+        return bool(((self._shell[first] & self._flesh[second]) | (self._flesh[first] & self._shell[second])).any())
 
     def let_go(self, dancer: int) -> None:
         """A fallen dancer's muscles and tether go limp."""

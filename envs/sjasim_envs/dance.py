@@ -12,6 +12,7 @@ import numpy as np
 from gymnasium import error, spaces
 from numpy.typing import NDArray
 
+from sjasim.anticipation.features import MOVES
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
@@ -21,7 +22,7 @@ from sjasim.render import Pictures, Window
 from sjasim.session import HUMANS_ONLY, Session
 from sjasim.types import Answer, Brief, Event, Move
 
-from .observation import MOVES, Observer, Row
+from .observation import Observer, Row
 from .reward import RewardConfig, Scorer
 
 AGENT = "agent"

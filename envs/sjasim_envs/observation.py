@@ -8,15 +8,12 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from sjasim.anticipation.features import LATEST_S, OLDEST_S, PERIODS, Features
+from sjasim.anticipation.features import LATEST_S, MOVES, OLDEST_S, PERIODS, Features
 from sjasim.config import SessionConfig
 from sjasim.session import Session
 from sjasim.types import SYNCHRONY_KINDS, Move, MoveCommand, SkeletonFrame
 
 Row = NDArray[np.float32]
-
-MOVES = (Move.STOP, Move.FORWARD, Move.BACKWARD, Move.TURN)
-"""The discrete actions, in order."""
 
 REACH_M = 10.0
 """Bound of every position [m]."""
@@ -115,7 +112,8 @@ class Observer:
         views["client"][:] = 0.0
         views["client"][self._clients.index(active)] = 1.0
         self._see_dancers(session.world.latest(active))
-        row: Row = np.clip(self._row, self._low, self._high)
+        row: Row = np.maximum(self._row, self._low)
+        np.minimum(row, self._high, out=row)
         return row
 
     def _see_robot(self, now: float, iteration: int) -> None:
@@ -151,7 +149,8 @@ class Observer:
         cast = self._session.brief.cast
         known = [(row, cast.index(name)) for row, name in enumerate(names) if name is not None]
         rows, places = [row for row, _ in known], [place for _, place in known]
-        joints[places] = np.nan_to_num(frame.skeletons.joints[rows])
+        seen = frame.skeletons.joints[rows]
+        joints[places] = np.where(np.isnan(seen), 0.0, seen)
         tracked[places] = _CODE[frame.skeletons.state[rows]]
 
 

@@ -184,7 +184,8 @@ class Scorer:
         x, y, _ = session.world.stage.robot_pose()
         x, y = x - session.layout.robot[0], y - session.layout.robot[1]
         heading = session.timetable.heading_rad(max(session.timetable.iteration_at(now), 1))
-        ahead, aside = x * math.cos(heading) + y * math.sin(heading), y * math.cos(heading) - x * math.sin(heading)
+        cos, sin = math.cos(heading), math.sin(heading)
+        ahead, aside = x * cos + y * sin, y * cos - x * sin
         beyond = ahead - min(max(ahead, 0.0), session.config.room.move_m)
         outside = math.hypot(beyond, aside) - config.lane_m
         if outside > 0.0:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..types import SYNCHRONY_KINDS, Brief, Event
+from ..types import SYNCHRONY_KINDS, Brief, Event, Move
+from .appropriateness import EPSILON_S
 from .history import History, nominal_times
 
 Row = NDArray[np.float32]
+
+MOVES = (Move.STOP, Move.FORWARD, Move.BACKWARD, Move.TURN)
+"""What a learner chooses from, in order."""
 
 OLDEST_S = 10.0
 """Age at which an event is forgotten [s]; one that never was has this age: half an iteration of the paper's dance."""
@@ -21,7 +26,7 @@ LATEST_S = 3.0
 PERIODS = (1.0, 4.0, 8.0, 40.0)
 """Beats after which each of the beat's phases comes again: beat, bar, two bars, the paper's iteration."""
 
-EPSILON_S = 1.5
+_TURNS = [math.tau / period for period in PERIODS]
 _KIND = {kind: index for index, kind in enumerate(SYNCHRONY_KINDS)}
 
 
@@ -40,7 +45,6 @@ class Features:
         self._person = {name: index for index, name in enumerate(brief.cast)}
         self._last_s = np.full((len(brief.cast), len(SYNCHRONY_KINDS), 2), -np.inf)
         self._last_iteration = np.zeros((len(brief.cast), len(brief.steps)), dtype=np.float32)
-        self._turns = 2.0 * np.pi / np.array(PERIODS)
 
     def add(self, event: Event) -> None:
         """Remember an event; those of persons outside the cast are not told."""
@@ -55,15 +59,15 @@ class Features:
         """The iteration whose window holds a session time; the last one after it."""
         return min(bisect_left(self._brief.window_end_s, t_s), self._brief.iterations)
 
-    def beat(self, t_s: float) -> Row:
-        """(9,) the beat of the iteration over 40, then cosines and sines of its phases in `PERIODS`."""
+    def beat(self, t_s: float) -> tuple[float, ...]:
+        """The beat of the iteration over 40, then cosines and sines of its phases in `PERIODS`; 9 numbers."""
         beat = (t_s - self._brief.iteration_start_s[self.iteration(t_s)]) / self._brief.beat_s
-        phase = self._turns * beat
-        return np.concatenate([[beat / 40.0], np.cos(phase), np.sin(phase)]).astype(np.float32)
+        phases = [turn * beat for turn in _TURNS]
+        return beat / 40.0, *map(math.cos, phases), *map(math.sin, phases)
 
     def event_age(self, t_s: float) -> Row:
         """(D, 5, 2) seconds since each dancer's last event of each kind; regular, then early."""
-        return np.minimum(np.maximum(t_s - self._last_s, 0.0), OLDEST_S).astype(np.float32)
+        return np.minimum(t_s - self._last_s, OLDEST_S).astype(np.float32)
 
     def last_iteration(self, t_s: float) -> Row:
         """(D, K) when each dancer did each step in the iteration before, after its beat [s]; 0 where unknown."""
@@ -73,3 +77,19 @@ class Features:
             late_s = np.nan_to_num(self._history.times(before) - self._nominal)
             self._last_iteration = np.clip(late_s, -LATEST_S, LATEST_S).astype(np.float32)
         return self._last_iteration
+
+    def row(self, t_s: float, move: int, sent_s: float) -> Row:
+        """(N,) everything a learned method is told.
+
+        Args:
+            t_s: session time.
+            move: of the robot in force, by its place in `MOVES`.
+            sent_s: session time when it was sent.
+        """
+        chosen = [0.0] * len(MOVES)
+        chosen[move] = 1.0
+        head = [*self.beat(t_s), *chosen, min(t_s - sent_s, OLDEST_S)]
+        late = self.last_iteration(t_s).ravel()
+        return np.concatenate(
+            [np.array(head), self.event_age(t_s).ravel(), [self.iteration(t_s)], late], dtype=np.float32
+        )

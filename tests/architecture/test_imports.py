@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 
 import pytest
 
-from .source import Import, Module, imports, modules
+from .source import Import, Module, imports, modules, skin
 
 LEVELS = {
     **dict.fromkeys(("types", "logs", "errors"), 0),
@@ -45,6 +46,7 @@ OWNERS = {
     "gymnasium": (),
     "rerun": ("record", "view"),
     "dm_control": ("interop",),
+    "dm_env": ("interop",),
     "mcap": ("record",),
     "matplotlib": ("analysis.plots",),
 }
@@ -90,6 +92,17 @@ def test_libraries_stay_in_their_rooms(module):
         if not any(module.name == owner or module.name.startswith(f"{owner}.") for owner in owners):
             wrong.append(f"{module.where}:{item.line}: {item.target} belongs to {owners or 'envs'}")
     assert not wrong
+
+
+@pytest.mark.parametrize("module", skin(), ids=lambda module: module.name)
+def test_the_environments_stand_on_sjasim_and_gymnasium(module):
+    found = {node.module or "" for node in ast.walk(module.tree) if isinstance(node, ast.ImportFrom) and not node.level}
+    found |= {alias.name for node in ast.walk(module.tree) if isinstance(node, ast.Import) for alias in node.names}
+    rooms = {name.partition(".")[0] for name in found}
+    assert rooms <= {"sjasim", "gymnasium", "numpy", *sys.stdlib_module_names}
+    assert not {name for name in found if name.startswith(("sjasim.run", "sjasim.study", "sjasim.interop"))}
+    if module.path.name == "__init__.py":
+        assert rooms <= {"gymnasium", "__future__"}
 
 
 def test_foundation_stands_on_numpy_alone():

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from sjasim_envs.observation import MOVES
 
+from sjasim.anticipation.features import MOVES
 from sjasim.server.dispatch import MOVES as MOVE_OF
 
 FAST = {"iterations": 1, "dance": {"rehearsal": False}}

@@ -14,10 +14,12 @@ from gymnasium import error
 from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers import FlattenObservation
 from sjasim_envs import ENVIRONMENTS
+from sjasim_envs.wrappers import Told
 
 import sjasim
 from sjasim import registry
 from sjasim.analysis.measures import measures
+from sjasim.anticipation.features import MOVES, Features
 
 from .dancers import FAST, dance, leave_be
 
@@ -54,6 +56,30 @@ def test_the_flat_observation_is_the_named_one_flattened():
     for action in (0, 1, 1, 0, 3):
         assert np.array_equal(first, second)
         first, second = flat.step(action)[0], named.step(action)[0]
+
+
+def test_told_is_what_a_method_is_told():
+    env = Told(make(method="eca"))
+    row = env.reset(seed=3)[0]
+    session, features = env.unwrapped.session, Features(env.unwrapped.session.brief)
+    session.advance(9.0)
+    env.unwrapped._steps = 270
+    row = env.step(1)[0]
+    for event in session.events:
+        features.add(event)
+    current = session.dispatcher.current
+    assert len(session.events) > 2
+    assert np.array_equal(row, features.row(session.time_s, MOVES.index(current.move), current.t_start_s))
+    assert row in env.observation_space
+    with pytest.raises(error.Error, match="last_iteration"):
+        Told(make("sjasim/DanceFlat-v0"))
+
+
+def test_stable_baselines_can_learn():
+    algorithms = pytest.importorskip("stable_baselines3", reason="the extra rl is not installed")
+    env = Told(make(step_hz=5))
+    model = algorithms.PPO("MlpPolicy", env, n_steps=32, batch_size=32, n_epochs=1, device="cpu").learn(32)
+    assert env.action_space.contains(int(model.predict(env.reset(seed=0)[0])[0]))
 
 
 class TestLogs:
