@@ -350,7 +350,15 @@ class SynchronyConfig:
         _within("synchrony.tau_s", self.tau_s, 0.001, 5.0)
 
 
-FAULTS = ("dead_sensor", "clock_jump", "dancer_stops", "dancer_late", "robot_blocked")
+FAULTS = {
+    "dead_sensor": "sensor",
+    "clock_jump": "sensor",
+    "dancer_stops": "dancer",
+    "dancer_late": "dancer",
+    "robot_blocked": "robot",
+    "dead_robot": "robot",
+}
+"""Kind of fault -> whom it hits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -358,7 +366,8 @@ class FaultConfig:
     """Something that is made to go wrong.
 
     Attributes:
-        kind: ``dead_sensor``, ``clock_jump``, ``dancer_stops``, ``dancer_late`` or ``robot_blocked``.
+        kind: ``dead_sensor``, ``clock_jump``, ``dancer_stops``, ``dancer_late``, ``robot_blocked`` (its wheels do not
+            turn) or ``dead_robot`` (it neither hears nor reports nor drives). Lost packets are ``network.loss``.
         target: a sensor (``north``...), a dancer (``dancer_1``...) or ``robot``.
         t_s: session time from which on.
         value: size: seconds of jump or lateness; unused otherwise.
@@ -370,7 +379,7 @@ class FaultConfig:
     value: float = 0.0
 
     def __post_init__(self) -> None:
-        _one_of("faults.kind", self.kind, FAULTS)
+        _one_of("faults.kind", self.kind, tuple(FAULTS))
         _within("faults.t_s", self.t_s, 0.0, 1e5)
         _within("faults.value", self.value, -60.0, 60.0)
 

@@ -66,13 +66,22 @@ def command(arguments: Sequence[str]) -> None:
 
 
 def dance(config: SessionConfig) -> SessionLog:
-    """Run the session with a progress bar on stderr."""
+    """Run the session with a progress bar on stderr; it appears once the session has been found fit to dance."""
     from .session import run_session
 
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
-    with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task(f"dancing ({config.method}, seed {config.seed})", total=1.0)
-        return run_session(config, lambda share: progress.update(task, completed=share))
+    progress = Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True)
+    task = progress.add_task(f"dancing ({config.method}, seed {config.seed})", total=1.0)
+
+    def report(share: float) -> None:
+        progress.start()
+        progress.update(task, completed=share)
+
+    try:
+        return run_session(config, report)
+    finally:
+        if progress.live.is_started:
+            progress.stop()
 
 
 def show(summary: Mapping[str, Any], console: Console) -> None:

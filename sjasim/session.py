@@ -15,8 +15,9 @@ from .anticipation.method import Method, build
 from .choreography.layout import layout
 from .choreography.timetable import timetable
 from .clock import stream
-from .config import SessionConfig
+from .config import FAULTS, SessionConfig
 from .config_io import to_plain
+from .errors import ConfigError
 from .link import Link, LinkQuality
 from .logs import SessionLog
 from .server.dispatch import Dispatcher
@@ -50,7 +51,8 @@ class Session:
             dispatcher itself.
 
     Raises:
-        SjasimError: a name is unknown, an option is not allowed, or the layout does not fit the sensors.
+        SjasimError: a name is unknown, an option is not allowed, the layout does not fit the sensors, or a fault
+            has nobody to hit.
     """
 
     def __init__(self, config: SessionConfig, method: Method | None = None) -> None:
@@ -58,6 +60,7 @@ class Session:
         self.config = config
         self.timetable = timetable(config)
         self.layout = layout(config.layout, config.group, config.room, config.sensors)
+        _check_faults(config, [mount.name for mount in self.layout.mounts])
         robot = config.method != HUMANS_ONLY
         self.method: Method | None = None
         if robot:
@@ -111,7 +114,7 @@ class Session:
             self._conduct(now)
             self._inputs = [parcel for link in self._down.values() for parcel in link.receive(now)] if arrived else []
             if arrived:
-                links = (*self._up.values(), *self._down.values())
+                links: tuple[Link[Any], ...] = (*self._up.values(), *self._down.values())
                 self._arrival_s = min(link.next_arrival_s for link in links)
 
     def _next_due_s(self) -> float:
@@ -135,7 +138,7 @@ class Session:
         arrived = [parcel for link in self._up.values() for parcel in link.receive(now)]
         for t_arrival_s, message in sorted(arrived, key=lambda parcel: parcel[0]):
             if isinstance(message, RobotState):
-                self.dispatcher.robot(message)
+                self.dispatcher.robot(t_arrival_s, message)
             else:
                 self._tell(t_arrival_s, message)
 
@@ -156,6 +159,8 @@ class Session:
                 hook = self.method.on_iteration_start if starts else self.method.on_iteration_end
                 self._answer(now, hook(iteration, t_s))
         if self.server.next_due_s <= now:
+            if self.method is not None:
+                self.dispatcher.listen(now)
             for order in self.server.due(now):
                 self._send(self._down[order.sensor], now, order)
         if self.method is not None and self.dispatcher.next_due_s <= now:
@@ -170,7 +175,8 @@ class Session:
         """Everything that has happened so far."""
         cpu, wall = self._started
         world = self.world
-        notices = sorted([*world.notices, *self.server.notices], key=lambda notice: notice.t_s)
+        noticed = [*world.notices, *self.server.notices, *self.dispatcher.notices]
+        notices = sorted(noticed, key=lambda notice: notice.t_s)
         return SessionLog(
             config=to_plain(self.config),
             versions=versions(),
@@ -206,7 +212,7 @@ def run_session(config: SessionConfig, progress: Callable[[float], None] | None 
     while session.time_s < session.end_s - 1e-9:
         session.advance(min(session.time_s + 1.0, session.end_s))
         if progress is not None:
-            progress(session.time_s / session.end_s)
+            progress(min(session.time_s / session.end_s, 1.0))
     return session.log()
 
 
@@ -232,6 +238,15 @@ def _brief(session: Session) -> Brief:
         iteration_start_s=tuple(table.start_s(iteration) for iteration in iterations),
         window_end_s=tuple(table.close_s(iteration) for iteration in iterations),
     )
+
+
+def _check_faults(config: SessionConfig, sensors: Sequence[str]) -> None:
+    """Refuse a fault that would hit nobody."""
+    dancers = [dancer_name(index) for index in range(config.group)]
+    for index, fault in enumerate(config.faults):
+        allowed = {"dancer": dancers, "robot": [ROBOT]}.get(FAULTS[fault.kind], sensors)
+        if fault.target not in allowed:
+            raise ConfigError(f"faults[{index}].target", fault.target, f"for {fault.kind} one of {', '.join(allowed)}")
 
 
 def _boundaries(session: Session) -> list[tuple[float, int, bool]]:

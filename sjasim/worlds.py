@@ -139,9 +139,8 @@ class PhysicsWorld:
         self._robot_task = Task(ticks, config.robot.odometry_hz)
         self._state_task = Task(ticks, STATE_HZ)
         self._has_robot = robot
-        self._blocked_from_s = min(
-            (fault.t_s for fault in config.faults if fault.kind == "robot_blocked"), default=math.inf
-        )
+        self._blocked_from_s = _first_s(config.faults, "robot_blocked")
+        self._dead_from_s = _first_s(config.faults, "dead_robot")
         self._blocked = False
         if robot:
             pose = (float(layout.robot[0]), float(layout.robot[1]), self._timetable.heading_rad(1))
@@ -179,7 +178,8 @@ class PhysicsWorld:
             self._check(now)
         for t_arrival_s, message in inputs:
             if isinstance(message, MoveCommand):
-                self._executor.receive(now, message)
+                if now < self._dead_from_s:
+                    self._executor.receive(now, message)
             else:
                 reply = self._clients[message.sensor].receive(t_arrival_s, message, now)
                 if reply is not None:
@@ -217,6 +217,9 @@ class PhysicsWorld:
         """A tick of the robot: odometry, events, wheel command."""
         self.ledger.feel(self.stage)
         if not self._has_robot:
+            return
+        if now >= self._dead_from_s:
+            self.stage.drive(WheelCommand(0.0, 0.0))
             return
         state = self._odometry.update(now, self.stage.wheels())
         event = self._robot_detector.update(state)
@@ -324,6 +327,11 @@ def _with_faults(cues: tuple[Cue, ...], faults: Sequence[FaultConfig]) -> tuple[
         elif fault.kind == "dancer_stops":
             out = tuple(cue for cue in out if not _hit(cue, fault))
     return out
+
+
+def _first_s(faults: Sequence[FaultConfig], kind: str) -> float:
+    """When the first fault of a kind begins; infinite without one."""
+    return min((fault.t_s for fault in faults if fault.kind == kind), default=math.inf)
 
 
 def _hit(cue: Cue, fault: FaultConfig) -> bool:

@@ -39,6 +39,8 @@ SEEN_AROUND_S = 0.1
 SETTLE_S = 0.4
 """For so long after a turn a dancer's sway is no move; assumed."""
 
+Edge = tuple[float, Kind]
+
 MOVES = ((1.0, Kind.START_FORWARD, Kind.STOP_FORWARD), (-1.0, Kind.START_BACKWARD, Kind.STOP_BACKWARD))
 
 
@@ -47,7 +49,7 @@ def dancer_events(
 ) -> list[AgentEvent]:
     """Every dancer's true events in order of time, each with whether the active sensor could see it.
 
-    Starts and stops inside a dancer's turn are sway, not moves, and are left out.
+    A start and its stop that both lie inside a dancer's turn are sway, not a move, and are left out.
 
     Args:
         truth: the truth table's columns.
@@ -65,9 +67,11 @@ def dancer_events(
             if cue.dancer == name and cue.move is Move.TURN
         ]
         found = [
-            (t_s, kind)
-            for t_s, kind in moves(rows["t_s"], rows["x_m"], rows["y_m"], rows["heading_rad"])
-            if not any(begin <= t_s <= end for begin, end in turns)
+            edge
+            for start, stop in _moves(rows["t_s"], rows["x_m"], rows["y_m"], rows["heading_rad"])
+            if not any(begin <= start[0] and stop[0] <= end for begin, end in turns)
+            for edge in (start, stop)
+            if np.isfinite(edge[0])
         ]
         found += [(t_s, Kind.CLAP) for t_s in claps(rows["t_s"], rows["hands_m"])]
         started = False
@@ -105,18 +109,22 @@ def moves(t_s: Array, x_m: Array, y_m: Array, heading_rad: Array) -> list[tuple[
         y_m: (N,) position.
         heading_rad: (N,) heading.
     """
+    edges = [edge for pair in _moves(t_s, x_m, y_m, heading_rad) for edge in pair]
+    return [(time, kind) for time, kind in edges if np.isfinite(time)]
+
+
+def _moves(t_s: Array, x_m: Array, y_m: Array, heading_rad: Array) -> list[tuple[Edge, Edge]]:
+    """The same in pairs of start and stop; the stop of a move that goes on at the end of the data is at infinity."""
     if len(t_s) < 3:
         return []
     cos, sin = np.cos(heading_rad), np.sin(heading_rad)
     forward = np.diff(x_m) * (cos[1:] + cos[:-1]) / 2 + np.diff(y_m) * (sin[1:] + sin[:-1]) / 2
     velocity = forward / np.diff(t_s)
-    found: list[tuple[float, Kind]] = []
-    for sign, start, stop in MOVES:
-        for begin, end in stretches(_middles(t_s), sign * velocity - ONSET_M_S):
-            found.append((begin, start))
-            if np.isfinite(end):
-                found.append((end, stop))
-    return found
+    return [
+        ((begin, start), (end, stop))
+        for sign, start, stop in MOVES
+        for begin, end in stretches(_middles(t_s), sign * velocity - ONSET_M_S)
+    ]
 
 
 def stretches(t_s: Array, excess: Array) -> list[tuple[float, float]]:

@@ -65,7 +65,8 @@ class Sia:
     regular event, within the window around the same dancer's time one iteration ago (the schedule's, where they
     lack it). A clap has no early event. If the window closes with neither, the scheduled command is used, at once
     if its time has passed, and the decision says ``fallback``. If meanwhile a regular event shows that the dancer
-    is past the step, a stop or turn falls back at once, and a start is passed over: its move is over.
+    is past the step, a stop or turn falls back at once, and a start is passed over with its stop: its
+    move is over.
 
     Args:
         config: its options.
@@ -109,7 +110,8 @@ class Sia:
         if event.early or after < self._reference[self._next]:
             return ()
         skipped = [self._pass_over(event) for _ in range(step - self._next)]
-        return (*skipped, self._follow(event))
+        begun = self._brief.steps[step - 1].kind not in STARTS
+        return (*skipped, self._follow(event) if begun else self._pass_over(event, whole=True))
 
     def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
         """Schedule an iteration that has nothing before it (no rehearsal)."""
@@ -173,10 +175,11 @@ class Sia:
         why = f"{'early ' if event.early else ''}{event.kind.value} of {self._note}"
         return Intention(self._scheduled, step.ordinal, event.t_arrival_s, why, event.person)
 
-    def _pass_over(self, event: Event) -> Answer:
+    def _pass_over(self, event: Event, *, whole: bool = False) -> Answer:
+        """Answer for a step that the leader is past; ``whole`` for the stop of a start that was passed over."""
         step = self._brief.steps[self._next]
         self._next += 1
-        if step.kind in STARTS:
+        if whole or step.kind in STARTS:
             return Withdrawal(
                 self._scheduled, step.ordinal, f"passed over: {event.kind.value} already seen of {self._note}"
             )

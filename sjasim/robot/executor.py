@@ -54,7 +54,7 @@ EXECUTABLE = (Move.FORWARD, Move.BACKWARD, Move.STOP, Move.TURN, Move.DRIVE)
 class Executor:
     """Carries out move commands, one at a time; a higher number replaces a lower one after its own dead time.
 
-    A base that hears nothing for ``command_timeout_s`` during a move ramps to a stop; a copy of the command that
+    A copy of the one under way may carry another speed, which is taken at once. A base that hears nothing for ``command_timeout_s`` during a move ramps to a stop; a copy of the command that
     arrives later lets it go on. A finished turn and a stop have nothing to time out.
 
     Attributes:
@@ -91,7 +91,9 @@ class Executor:
         return self._stalled > STALL_S
 
     def receive(self, t_s: float, command: MoveCommand) -> None:
-        """Hear a command; a copy of the newest only shows that the link lives, an older one is ignored.
+        """Hear a command; an older one is ignored.
+
+        A copy of the newest shows that the link lives, and may change the speed of the move under way.
 
         Args:
             t_s: session time of arrival.
@@ -108,6 +110,8 @@ class Executor:
         if command.number > self._newest:
             self._newest = command.number
             self._waiting.append((t_s + self._config.dead_time_s, command))
+        elif self._command is not None and self._command.number == command.number:
+            self._command = command
 
     def update(self, state: RobotState) -> WheelCommand:
         """One control tick.

@@ -2,10 +2,13 @@
 
 Forward is towards the sensor. Nothing here knows the choreography. What the rules add to the bare thresholds:
 
-* Motion and clap count only while the person faces the sensor within `FACING_RAD`. Someone who stands sideways or
-  turns away gives no event, and a move during which a person turns away gets no stop.
-* After a reset, and after facing the sensor anew, a person must first be seen standing; a motion already under way
-  gives no event. While a person turns faster than `TURNING_RAD_S` the times that arm the start events begin anew.
+* Motion counts only while the person faces the sensor, or turns their back to it, within `FACING_RAD`; a clap only
+  face to face. Someone who stands sideways gives no event, and a move during which a person turns away gets no stop.
+  Seen from behind, too, forward is towards the sensor: who knows where people face has to exchange the kinds.
+* After a reset, after facing the sensor anew, and after having been out of sight for `LOST_S`, a person must first be
+  seen standing; a motion already under way gives no event. Whoever comes back into sight still in the same move goes
+  on with it; a stop or a start that happened out of sight is nobody's event, since its time is not known. While a
+  person turns faster than `TURNING_RAD_S` the times that arm the start events begin anew.
 * A SpineBase that is inferred serves the regular events. Early events count tracked joints only, since errors of
   inferred ones exceed the floor. A clap needs both hands and both shoulders tracked in the three frames around its
   minimum: a hand the sensor cannot see is worth some 10 cm of error, and a guessed clap is worse than a lost one.
@@ -33,6 +36,10 @@ SWAYING_RAD_S = 0.4
 
 SWAY_S = 1.0
 """How long they do (assumed; the physics shows .6 s)."""
+
+LOST_S = 0.3
+"""A speed that is unknown for longer has hidden whatever happened meanwhile: less than the .4 s within which an event
+counts as the true one (assumed)."""
 
 CLAPPING_RATIO = 1.0
 """Hands nearer than this many shoulder widths may clap: early starts are disarmed until ``clap_rest_s`` after it,
@@ -82,11 +89,12 @@ class MotionDetector:
         durations: start kind -> duration of the person's last move of that kind [s]; shared with the caller.
     """
 
-    __slots__ = ("_c", "_phase", "_run", "_since_s", "_t_early_s", "_t_sway_s", "durations")
+    __slots__ = ("_c", "_phase", "_run", "_since_s", "_t_early_s", "_t_known_s", "_t_sway_s", "durations")
 
     def __init__(self, config: DetectorConfig, durations: dict[Kind, float]) -> None:
         self._c = config
         self.durations = durations
+        self._t_known_s = -math.inf
         self.reset()
 
     def reset(self) -> None:
@@ -107,10 +115,11 @@ class MotionDetector:
         Returns:
             the early event and the regular one that this frame shows, each or None.
         """
-        if abs(seen.yaw_rad) > FACING_RAD:
+        aside = FACING_RAD < abs(seen.yaw_rad) < math.pi - FACING_RAD
+        if aside or self._missed_out(t_s, seen):
             self.reset()
-        elif self._phase is _Phase.UNSETTLED:
-            if abs(seen.yaw_rad) <= FACING_RAD and abs(seen.speed_m_s) < self._c.off_m_s:
+        if self._phase is _Phase.UNSETTLED:
+            if not (aside or math.isnan(seen.yaw_rad)) and abs(seen.speed_m_s) < self._c.off_m_s:
                 self._enter(_Phase.STANDING, t_s)
         elif self._phase is not _Phase.STANDING:
             moved_s = t_s - self._since_s + _ROUNDING_S
@@ -122,6 +131,15 @@ class MotionDetector:
             rested_s = t_s - self._since_s + _ROUNDING_S
             return self._early_start(t_s, rested_s, seen, busy), self._start(t_s, rested_s, seen, span_s)
         return None, None
+
+    def _missed_out(self, t_s: float, seen: Glimpse) -> bool:
+        """Whether the person is back from out of sight, and not in the move they were in."""
+        if math.isnan(seen.speed_m_s):
+            return False
+        lost = t_s - self._t_known_s > LOST_S
+        self._t_known_s = t_s
+        going = self._phase in _START and self._phase * seen.speed_m_s >= self._c.off_m_s
+        return lost and not going
 
     def _enter(self, phase: _Phase, t_s: float) -> None:
         self._phase = phase

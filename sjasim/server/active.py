@@ -93,6 +93,10 @@ class ActiveClient:
         """Cosine between a person's heading and the direction of the sensor: 1 face to face; 0 if not known."""
         return self._clients[sensor].facing.get(person, 0.0)
 
+    def lives(self, sensor: str) -> bool:
+        """Whether a client has been heard lately."""
+        return self._clients[sensor].alive
+
     def heard(self, t_s: float, sensor: str) -> list[Notice]:
         """A client has given a sign of life at session time ``t_s``."""
         client = self._clients[sensor]

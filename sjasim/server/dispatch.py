@@ -5,12 +5,15 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Iterable
+from dataclasses import replace
+from statistics import median
 
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
 from ..config import RobotConfig
-from ..logs import Decision
+from ..logs import Decision, Notice
 from ..types import (
+    ROBOT,
     Answer,
     Brief,
     Intention,
@@ -35,8 +38,21 @@ MOVES = {
 SPEED_M_S = (0.15, 0.40)
 """Slowest and fastest cruise of a corrected move [m/s]: slower is hardly seen as a move, faster starts too late."""
 
+CRAWL_M_S = 0.13
+"""Speed of a move that has reached its end and not been stopped: still a move to odometry (.10 m/s), and as little
+farther off as possible; assumed."""
+
+PAST_M = 0.05
+"""So far past its end a move begins to crawl (assumed)."""
+
+HALT_M = 0.15
+"""And so far past it the server halts it, whatever the method says: the next place is somebody else's (assumed)."""
+
 SHORTEST_S = 0.5
 """Shortest duration a move is planned for [s]."""
+
+SILENCE_S = 1.0
+"""A robot that says nothing for so long is dead: ten reports missed."""
 
 Key = tuple[int, int]
 """Iteration and ordinal."""
@@ -47,7 +63,9 @@ class Dispatcher:
 
     A step behind one that has been sent is ignored: the robot never goes back in the score. The current command
     is repeated with its own number at the heartbeat's rate, so that a lost packet costs one beat and a silent link
-    stops the base; a standing robot hears STOP repeated.
+    stops the base; a standing robot hears STOP repeated. The copies of a move that nobody stops slow it down to a
+    crawl where it should have ended, and soon halt it, or else one lost stop would leave the robot a metre from its
+    slot.
 
     Args:
         brief: the dance.
@@ -74,7 +92,10 @@ class Dispatcher:
         self._repeat_s = math.inf
         self._pending_s = math.inf
         self._state: RobotState | None = None
+        self._heard_s = 0.0
+        self._alive = True
         self.decisions: list[Decision] = []
+        self.notices: list[Notice] = []
 
     @property
     def next_due_s(self) -> float:
@@ -91,9 +112,20 @@ class Dispatcher:
         """Where the robot last said it is, or None before it has said anything."""
         return self._state
 
-    def robot(self, state: RobotState) -> None:
-        """Take in where the robot believes it is."""
-        self._state = state
+    def robot(self, t_arrival_s: float, state: RobotState) -> None:
+        """Take in where the robot believes it is; a report overtaken by a later one is a sign of life only."""
+        self._heard_s = t_arrival_s
+        if not self._alive:
+            self._alive = True
+            self.notices.append(Notice(t_arrival_s, ROBOT, "robot is back"))
+        if self._state is None or state.t_s >= self._state.t_s:
+            self._state = state
+
+    def listen(self, t_s: float) -> None:
+        """Notice by session time ``t_s`` a robot that says nothing any more."""
+        if self._alive and t_s - self._heard_s > SILENCE_S:
+            self._alive = False
+            self.notices.append(Notice(t_s, ROBOT, f"robot is dead: silent for more than {SILENCE_S:g} s"))
 
     def answer(self, t_s: float, answers: Iterable[Answer]) -> None:
         """Take in a method's answers, given at session time ``t_s``.
@@ -146,6 +178,7 @@ class Dispatcher:
                     out.append(self._send(t_s, key, item))
             self._pending_s = min((item.t_s for item in self._pending.values()), default=math.inf)
         if not out and self._repeat_s <= t_s and self._current is not None:
+            self._current = self._paced(self._current)
             out.append(self._current)
             self._repeat_s = t_s + self._beat_s
         return out
@@ -225,6 +258,19 @@ class Dispatcher:
         low, high = SPEED_M_S
         return min(max(speed, low), high, self._robot.max_speed_m_s)
 
+    def _paced(self, command: MoveCommand) -> MoveCommand:
+        """The command again; at a crawl once its move is past its end, and with speed 0 far past it."""
+        ahead = self._ahead_m(command.iteration)
+        if command.move is Move.FORWARD:
+            past = ahead - self._robot.cruise_m_s * self._nominal_s(command.ordinal)
+        elif command.move is Move.BACKWARD:
+            past = -ahead
+        else:
+            return command
+        if command.speed_m_s == 0.0 or past <= PAST_M:
+            return command
+        return replace(command, speed_m_s=CRAWL_M_S if past < HALT_M else 0.0)
+
     def _ahead_m(self, iteration: int) -> float:
         """Where the robot will have come to rest, along the iteration's heading from its slot [m]."""
         state = self._state
@@ -235,14 +281,21 @@ class Dispatcher:
         speed = state.step_m * self._robot.odometry_hz
         return ahead + speed * abs(speed) / (2.0 * self._robot.acceleration_m_s2)
 
+    def _nominal_s(self, ordinal: int) -> float:
+        """Time from a step to the next one by the score."""
+        then = self._steps.get(ordinal + 1)
+        return (then.beat - self._steps[ordinal].beat) * self._brief.beat_s if then is not None else SHORTEST_S
+
     def _duration_s(self, key: Key) -> float:
-        """Expected time from this step's command to the next one's: the last iteration's, else the score's."""
+        """Expected time from this step's command to the next one's: the median of the score's and what it took."""
         iteration, ordinal = key
-        here, then = self._steps[ordinal], self._steps.get(ordinal + 1)
-        nominal = (then.beat - here.beat) * self._brief.beat_s if then is not None else SHORTEST_S
-        start, stop = self._sent_s.get((iteration - 1, ordinal)), self._sent_s.get((iteration - 1, ordinal + 1))
-        expected = stop - start if start is not None and stop is not None else nominal
-        return max(SHORTEST_S, min(expected, 2.0 * nominal))
+        nominal = self._nominal_s(ordinal)
+        spans = [nominal]
+        for before in range(1, iteration):
+            start, stop = self._sent_s.get((before, ordinal)), self._sent_s.get((before, ordinal + 1))
+            if start is not None and stop is not None:
+                spans.append(stop - start)
+        return max(SHORTEST_S, min(median(spans), 2.0 * nominal))
 
     def _log(self, t_s: float, key: Key, action: str, item: Intention, refusal: str = "") -> None:
         step = self._steps.get(key[1])

@@ -19,8 +19,10 @@ from ..types import (
 )
 from .active import ActiveClient
 from .clock_sync import MARGIN_S, ClockSync
+from .exchanges import Exchanges
 from .merge import Merger
 from .persons import Persons
+from .roll_call import RollCall
 
 _STOP_OF = {Kind.START_FORWARD: Kind.STOP_FORWARD, Kind.START_BACKWARD: Kind.STOP_BACKWARD}
 
@@ -47,7 +49,8 @@ class Server:
     stands in for a dead one and sees a person's back has forward and backward exchanged.
 
     Everything is event-driven: `receive` for what arrives, `due` for what is to be sent, `next_due_s` for when to
-    ask again. ``notices`` grows by what went wrong: dead clients, jumped clocks, reports of unknown persons.
+    ask again. ``notices`` grows by what went wrong: dead clients, jumped clocks, links that lose packets, reports of
+    unknown persons, dancers of whom nothing is seen.
 
     Args:
         timetable: when the iterations are.
@@ -58,9 +61,12 @@ class Server:
     def __init__(self, timetable: Timetable, layout: Layout, config: SessionConfig) -> None:
         group = len(layout.dancers)
         self._active = ActiveClient(timetable, layout, group)
-        self._persons = Persons([dancer_name(index) for index in range(group)], layout.dancers)
+        cast = [dancer_name(index) for index in range(group)]
+        self._persons = Persons(cast, layout.dancers)
+        self._roll_call = RollCall(cast, timetable)
         self._merger = Merger(timetable)
         self._clocks = {sensor: ClockSync() for sensor in self._active.sensors}
+        self._exchanges = {sensor: Exchanges(sensor) for sensor in self._clocks}
         self._sync_s = 1.0 / config.network.sync_hz
         # Spread over the interval, so that the exchanges do not queue behind one another.
         count = len(self._clocks)
@@ -80,7 +86,7 @@ class Server:
     @property
     def next_due_s(self) -> float:
         """Session time at which `due` has something to do."""
-        return min(self._order_due_s, *self._sync_due_s.values())
+        return min(self._order_due_s, self._roll_call.next_due_s, *self._sync_due_s.values())
 
     def session_time(self, sensor: str, t_device_s: float) -> float:
         """Session time of a sensor's device time, by the present estimate of its clock [s].
@@ -109,8 +115,10 @@ class Server:
             if event is None:
                 return []
             self._learn(event)
+            self._roll_call.saw(event)
             return [event]
         if isinstance(message, SyncReply):
+            self._exchanges[message.sensor].answered(message.t_server_send_s)
             jump = self._clocks[message.sensor].add(message, t_arrival_s)
             if jump:
                 self.notices.append(Notice(t_arrival_s, message.sensor, f"clock jumped by {jump:+.3f} s"))
@@ -123,11 +131,14 @@ class Server:
 
     def due(self, t_s: float) -> list[SyncRequest | ClientOrder]:
         """What is to be sent to the clients by ``t_s``: clock exchanges, and who watches."""
-        self.notices += self._active.choose(t_s)
+        self.notices += [*self._active.choose(t_s), *self._roll_call.judge(t_s)]
         out: list[SyncRequest | ClientOrder] = []
         for sensor, due_s in self._sync_due_s.items():
             if due_s <= t_s:
                 out.append(SyncRequest(sensor, t_s))
+                exchanges = self._exchanges[sensor]
+                self.notices += exchanges.judge(t_s, alive=self._active.lives(sensor))
+                exchanges.asked(t_s)
                 missed = int((t_s - due_s) / self._sync_s)
                 self._sync_due_s[sensor] = due_s + (missed + 1) * self._sync_s
         watching = self._active.watching(t_s)

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from sjasim.config import DetectorConfig, SensorConfig
-from sjasim.sensors.detectors import Detectors
+from sjasim.sensors.detectors import Detectors, MotionDetector
+from sjasim.sensors.glimpse import Glimpse
 from sjasim.types import DeviceEvent, Kind, MoveDuration, SkeletonFrame, Skeletons
 
 from .scripted import (
@@ -163,10 +164,36 @@ def test_quarter_turns_give_no_event(angle: float, away: float):
     assert watch(ScriptedView(scripts), 36.0) == []
 
 
-def test_walking_sideways_or_away_from_the_sensor_gives_no_event():
-    for heading in (0.0, math.pi, -math.pi / 2):
+def test_walking_sideways_gives_no_event():
+    for heading in (0.0, math.pi):
         view = ScriptedView([Script((0.0, 0.5), heading, walks=[Walk(2.0, 1.5, 0.5)], claps=[5.0])])
         assert watch(view, 8.0) == []
+
+
+def test_from_behind_going_forward_is_going_away_from_the_sensor_and_claps_are_not_seen():
+    view = ScriptedView([Script((0.0, 0.5), -math.pi / 2, walks=[Walk(2.0, 1.5, 0.5)], claps=[5.0])])
+    regular = [event.kind for event in watch(view, 8.0) if not event.early]
+    assert regular == [Kind.START_BACKWARD, Kind.STOP_BACKWARD]
+
+
+@pytest.mark.parametrize(
+    ("blind_s", "expected"),
+    [((1.2, 1.3), "forward, stop, backward, stop"), ((1.2, 2.2), "forward, stop, backward, stop"),
+     ((2.4, 3.5), "forward, backward, stop"), ((3.5, 4.5), "forward, stop"), ((2.4, 4.5), "forward")],
+)  # fmt: skip
+def test_what_happens_out_of_sight_is_nobodys_event(blind_s, expected):
+    """Forward from 1 to 3 s, backward from 4 to 6 s; seen again in the same move, a person goes on with it."""
+    detector = MotionDetector(DetectorConfig(), {})
+    seen = []
+    for frame in range(240):
+        t_s = frame / FRAME_HZ
+        speed = 0.25 * (1.0 <= t_s < 3.0) - 0.25 * (4.0 <= t_s < 6.0)
+        blind = blind_s[0] <= t_s < blind_s[1]
+        glimpse = Glimpse(math.nan if blind else speed, 0, 0, 4, math.nan, 0.0, 0.0)
+        _, regular = detector.update(t_s, glimpse, 4 / FRAME_HZ, False)
+        seen += [regular.kind] if regular else []
+    words = ["stop" if kind in (Kind.STOP_FORWARD, Kind.STOP_BACKWARD) else kind.value[6:] for kind in seen]
+    assert ", ".join(words) == expected
 
 
 def test_the_first_move_after_a_turn_towards_the_sensor_is_seen():

@@ -52,6 +52,11 @@ class Hall:
         share = (t_s - TIMETABLE.time_s(iteration, 32.5)) / (3.5 * 60 / 118)
         return TIMETABLE.heading_rad(iteration) + math.pi / 2 * min(max(share, 0.0), 1.0)
 
+    @property
+    def notices(self):
+        """The server's, without the dancers of whom the script has no events."""
+        return [notice for notice in self.server.notices if not notice.what.startswith("no event seen")]
+
     def send(self, sensor, t_s, message):
         """Put a message on the wire from a sensor that still lives."""
         if t_s < self.silent.get(sensor, math.inf):

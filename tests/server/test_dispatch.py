@@ -119,7 +119,7 @@ def test_each_step_has_its_move(dispatcher, ordinal, move):
 
 def test_a_turn_ends_at_the_next_iterations_ideal_heading(dispatcher, world):
     for iteration in range(1, 5):
-        dispatcher.robot(RobotState(1.0, 0.0, 0.0, 1.3, 0.0, 0.0))  # off by several degrees: no matter
+        dispatcher.robot(1.0, RobotState(1.0, 0.0, 0.0, 1.3, 0.0, 0.0))  # off by several degrees: no matter
         dispatcher.answer(1.0, [Intention(iteration, 8, 1.0, "")])
         (command,) = dispatcher.due(1.0)
         assert command.heading_rad == pytest.approx(world.timetable.heading_rad(iteration + 1))
@@ -145,21 +145,34 @@ def state(world, iteration, ahead_m, step_m=0.0):
 )
 def test_speed_brings_the_robot_back_to_its_slot(dispatcher, world, ordinal, ahead_m, speed):
     for iteration in (1, 2, 3):
-        dispatcher.robot(state(world, iteration, ahead_m))
+        dispatcher.robot(0.0, state(world, iteration, ahead_m))
         dispatcher.answer(0.0, [Intention(iteration, ordinal, 0.0, "")])
         (command,) = dispatcher.due(0.0)
         assert command.speed_m_s == pytest.approx(speed)
 
 
 def test_a_robot_that_still_rolls_is_judged_where_it_will_stop(dispatcher, world):
-    dispatcher.robot(state(world, 1, 0.40, step_m=0.006))  # .3 m/s at 50 Hz: 4.5 cm more
+    dispatcher.robot(0.0, state(world, 1, 0.40, step_m=0.006))  # .3 m/s at 50 Hz: 4.5 cm more
     dispatcher.answer(0.0, [Intention(1, 2, 0.0, "")])
     assert dispatcher.due(0.0)[0].speed_m_s == pytest.approx(0.445 / (4 * BEAT_S))
 
 
-def test_the_last_iterations_duration_is_expected_again(dispatcher, world):
+def test_the_median_of_the_score_and_of_what_it_took_is_expected(dispatcher, world):
     dispatcher.answer(0.0, [Intention(1, 2, 10.0, ""), Intention(1, 3, 11.5, "")])
     run(dispatcher, 9.9, 11.6)
-    dispatcher.robot(state(world, 2, 0.45))
+    dispatcher.robot(0.0, state(world, 2, 0.45))
     dispatcher.answer(20.0, [Intention(2, 2, 20.0, "")])
-    assert dispatcher.due(20.0)[0].speed_m_s == pytest.approx(0.45 / 1.5, rel=0.01)
+    assert dispatcher.due(20.0)[0].speed_m_s == pytest.approx(0.45 / ((1.5 + 4 * 60 / 118) / 2), rel=0.01)
+
+
+def test_a_move_that_nobody_stops_crawls_past_its_end(dispatcher, world):
+    dispatcher.answer(0.0, [Intention(1, 0, 5.0, "")])
+    (command,) = dispatcher.due(5.0)
+    dispatcher.robot(0.0, state(world, 1, 0.5))
+    (copy,) = dispatcher.due(dispatcher.next_due_s)
+    assert (copy.number, copy.speed_m_s) == (command.number, command.speed_m_s)
+    dispatcher.robot(0.0, state(world, 1, 0.6))
+    (copy,) = dispatcher.due(dispatcher.next_due_s)
+    assert (copy.number, copy.move, copy.speed_m_s) == (command.number, Move.FORWARD, 0.13)
+    dispatcher.robot(0.0, state(world, 1, 0.75))
+    assert dispatcher.due(dispatcher.next_due_s)[0].speed_m_s == 0.0

@@ -1,0 +1,66 @@
+"""What a mistyped command line gets: one line on stderr, exit code 2, and nothing on disk."""
+
+import os
+
+import pytest
+
+from sjasim import cli, run
+
+BAD = {
+    "unknown method": (["--method", "sai"], "sia"),
+    "unknown people": (["--humans", "tired"], "paper-entrainment"),
+    "unknown sensing": (["--sensing", "sonar"], "joints"),
+    "unknown dance": (["--dance.name", "tango"], "paper"),
+    "negative time": (["--dance.tail-s", "-3"], "dance.tail_s"),
+    "sensors out of range": (["--room.sensor-distance-m", "6"], "room.sensor_distance_m"),
+    "too many people": (["--group", "4"], "custom"),
+    "unknown fault target": (["--config", "{here}/fault.toml"], "dancer_9"),
+    "unknown fault": (["--config", "{here}/meteor.toml"], "dead_sensor"),
+    "unreadable configuration": (["--config", "{here}/absent.toml"], "absent.toml"),
+    "broken configuration": (["--config", "{here}/broken.toml"], "broken.toml"),
+    "a file for a folder": (["--out", "{here}/broken.toml"], "is a file"),
+    "a full folder": (["--out", "{here}"], "not empty"),
+    "no such option": (["--speed", "3"], "--speed"),
+}
+
+
+@pytest.fixture
+def here(tmp_path):
+    (tmp_path / "broken.toml").write_text("method = ", encoding="utf-8")
+    fault = '[[faults]]\nkind = "{}"\ntarget = "{}"\n'
+    (tmp_path / "fault.toml").write_text(fault.format("dancer_stops", "dancer_9"), encoding="utf-8")
+    (tmp_path / "meteor.toml").write_text(fault.format("meteor", "north"), encoding="utf-8")
+    return tmp_path
+
+
+def refused(arguments, capfd):
+    """What a refused command line says."""
+    assert cli.main(run.command, arguments) == 2
+    heard = capfd.readouterr()
+    assert heard.out == ""
+    (line,) = heard.err.splitlines()
+    assert line.startswith("error: ")
+    return line
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_gives_one_clear_line_and_exit_code_2(case, here, capfd):
+    arguments, says = BAD[case]
+    before = sorted(here.iterdir())
+    given = [word.format(here=here) for word in arguments]
+    if "--out" not in given:
+        given += ["--out", str(here / "session")]
+    assert says in refused(given, capfd)
+    assert sorted(here.iterdir()) == before
+
+
+def test_an_unwritable_folder_is_found_before_the_dance(tmp_path, capfd):
+    if os.geteuid() == 0:
+        assert "/proc/session" in refused(["--out", "/proc/session"], capfd)
+        return
+    tmp_path.chmod(0o500)
+    try:
+        assert "session" in refused(["--out", str(tmp_path / "session")], capfd)
+    finally:
+        tmp_path.chmod(0o700)
+    assert list(tmp_path.iterdir()) == []

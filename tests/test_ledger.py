@@ -1,0 +1,92 @@
+"""Truth and odometry as columns; a stage by formula."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sjasim.assets.names import JOINT_INDEX
+from sjasim.config import SessionConfig
+from sjasim.ledger import FEEL_EVERY, ODOMETRY_COLUMNS, TRUTH_COLUMNS, Ledger
+from sjasim.types import RobotState
+
+WEIGHTS = np.array([700.0, 650.0])
+
+
+class Still:
+    """Two dancers: the first one's hands .3 m apart, the second pulled by 3 N and 4 N."""
+
+    servos = SimpleNamespace(weight=WEIGHTS)
+
+    def loads(self):
+        return 0.5 * WEIGHTS
+
+    def copy_hands(self, out):
+        out[:] = 0.0
+        out[0, 1, 0] = 0.3
+
+    def copy_tether(self, out):
+        out[:] = 0.0
+        out[1] = [3.0, 4.0, 1.0, 2.0, 2.0]
+
+
+@pytest.fixture
+def ledger():
+    ledger = Ledger(Still(), 1.0, SessionConfig())
+    roots = np.arange(12.0).reshape(2, 6)
+    seen = np.zeros((2, 25), dtype=bool)
+    seen[0, JOINT_INDEX["SpineBase"]] = True  # row 0 is the second dancer
+    for tick in range(10):
+        if tick == 4:
+            ledger.see(np.full((2, 25, 3), 1.5), seen, np.array([1, 0]))
+        if tick == 8:
+            ledger.see(np.zeros((2, 25, 3)), None, None)
+        ledger.feel(Still())
+        ledger.write(tick / 60, roots, Still(), np.array([False, tick > 5]))
+    return ledger
+
+
+def test_truth_has_one_row_per_tick_and_dancer(ledger):
+    truth = ledger.truth()
+    assert tuple(truth) == TRUTH_COLUMNS
+    assert truth["t_s"].tolist() == np.repeat(np.arange(10) / 60, 2).tolist()
+    assert truth["dancer"].tolist() == [0, 1] * 10
+    second = truth["dancer"] == 1
+    assert set(truth["x_m"][second]) == {6.0}
+    assert set(truth["heading_rad"][second]) == {9.0}
+    assert truth["hands_m"][:2].tolist() == [0.3, 0.0]
+    assert (truth["tether_x_n"][1], truth["tether_y_n"][1], truth["tether_torque_nm"][1]) == (3.0, 4.0, 3.0)
+    assert truth["load_n"][:2].tolist() == (0.5 * WEIGHTS).tolist()
+    assert truth["fallen"][second].tolist() == [0] * 6 + [1] * 4
+
+
+def test_what_was_seen_belongs_to_the_right_dancer_and_is_nan_while_nobody_watched(ledger):
+    share = ledger.truth()["spine_seen"].reshape(10, 2)
+    assert share[4:8].tolist() == [[0.0, 0.25]] * 4
+    assert np.isnan(share[8:]).all()
+
+
+def test_odometry_and_joints_are_kept_as_given(ledger):
+    assert ledger.odometry() == {}
+    ledger.ride(RobotState(0.5, 1.0, 2.0, 3.0, 0.004, 0.1), (1.1, 2.1, 3.1))
+    columns = ledger.odometry()
+    assert [float(columns[name][0]) for name in ODOMETRY_COLUMNS] == [0.5, 1.0, 2.0, 3.0, 0.004, 0.1, 1.1, 2.1, 3.1]
+    assert ledger.joints().shape == (2, 2, 25, 3)
+    assert ledger.joints()[0].max() == 1.5
+
+
+def test_the_load_is_felt_now_and_then_and_what_does_not_fit_is_let_go():
+    class Heavier(Still):
+        felt = 0
+
+        def loads(self):
+            self.felt += 1
+            return WEIGHTS
+
+    stage = Heavier()
+    ledger = Ledger(stage, 0.1, SessionConfig())
+    for _ in range(3 * FEEL_EVERY):
+        ledger.feel(stage)
+        ledger.write(0.0, np.zeros((2, 6)), stage, np.zeros(2, dtype=bool))
+    assert stage.felt == 3
+    assert len(ledger.truth()["t_s"]) <= 2 * (6 + 2)
