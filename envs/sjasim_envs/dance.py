@@ -22,7 +22,7 @@ from sjasim.render import Pictures, Window
 from sjasim.session import HUMANS_ONLY, Session
 from sjasim.types import Answer, Brief, Event, Move
 
-from .observation import Observer, Row
+from .observation import Observer
 from .reward import RewardConfig, Scorer
 
 AGENT = "agent"
@@ -156,7 +156,7 @@ class _Dance(gym.Env[Any, Any]):
         self._observer.reset(self._session)
         if self.render_mode == "human":
             self.render()
-        return self._observed(self._observer.row()), {"t_s": self._session.time_s, "seed": config.seed}
+        return self._observed(), {"t_s": self._session.time_s, "seed": config.seed}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Order what the action says, and let the dance go on for one decision's time.
@@ -178,7 +178,7 @@ class _Dance(gym.Env[Any, Any]):
         info |= done
         if self.render_mode == "human":
             self.render()
-        return self._observed(self._observer.row()), float(sum(terms.values())), self._over, False, info
+        return self._observed(), float(sum(terms.values())), self._over, False, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the stage (``rgb_array``), or the window brought up to date (``human``)."""
@@ -214,8 +214,8 @@ class _Dance(gym.Env[Any, Any]):
         changes |= {name: options[name] for name in OPTIONS if name in options and name != "people"}
         return _configured(self.config, changes)
 
-    def _observed(self, row: Row) -> Any:
-        return self._observer.named(row)
+    def _observed(self) -> Any:
+        return self._observer.named()
 
     def _act(self, session: Session, action: Any) -> None:
         raise NotImplementedError
@@ -248,8 +248,8 @@ class DanceFlatEnv(DanceEnv):
         super().__init__(**options)
         self.observation_space = self._observer.flat_space
 
-    def _observed(self, row: Row) -> Any:
-        return row
+    def _observed(self) -> Any:
+        return self._observer.flat()
 
 
 class DanceContinuousEnv(_Dance):

@@ -22,6 +22,9 @@ TERMS = ("timing", "missed", "spurious", "collision", "drift")
 SETTLED_S = 0.5
 """How long after a window's end an iteration is settled: by then every event of it has arrived."""
 
+TOUCH_S = 0.1
+"""How often it is looked whether robot and dancers touch; each look stands for the time since the last."""
+
 
 @dataclass(frozen=True, slots=True)
 class RewardConfig:
@@ -83,6 +86,7 @@ class Scorer:
     _danced: int = 0
     _iteration: int = 1
     _t_s: float = 0.0
+    _touched_s: float = 0.0
     _expected: Array = field(init=False)
     _dancers: Array = field(init=False)
     _robot: Array = field(init=False)
@@ -99,7 +103,7 @@ class Scorer:
         self._ordinals = {}
         for step in brief.steps:
             self._ordinals.setdefault(step.kind, []).append(step.ordinal)
-        self._t_s = self.session.time_s
+        self._t_s = self._touched_s = self.session.time_s
 
     def update(self) -> dict[str, object]:
         """Judge everything since the last time; `terms` holds what it earned.
@@ -179,8 +183,10 @@ class Scorer:
 
     def _judge_place(self, now: float, interval_s: float) -> None:
         session, config = self.session, self.config
-        if session.world.stage.bumped():
-            self.terms["collision"] -= config.collision * interval_s
+        if now >= self._touched_s + TOUCH_S - 1e-9:
+            if session.world.stage.bumped():
+                self.terms["collision"] -= config.collision * (now - self._touched_s)
+            self._touched_s = now
         x, y, _ = session.world.stage.robot_pose()
         x, y = x - session.layout.robot[0], y - session.layout.robot[1]
         heading = session.timetable.heading_rad(max(session.timetable.iteration_at(now), 1))

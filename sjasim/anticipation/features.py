@@ -8,7 +8,7 @@ from bisect import bisect_left
 import numpy as np
 from numpy.typing import NDArray
 
-from ..types import SYNCHRONY_KINDS, Brief, Event, Move
+from ..types import SYNCHRONY_KINDS, Array, Brief, Event, Move
 from .appropriateness import EPSILON_S
 from .history import History, nominal_times
 
@@ -65,9 +65,9 @@ class Features:
         phases = [turn * beat for turn in _TURNS]
         return beat / 40.0, *map(math.cos, phases), *map(math.sin, phases)
 
-    def event_age(self, t_s: float) -> Row:
+    def event_age(self, t_s: float) -> Array:
         """(D, 5, 2) seconds since each dancer's last event of each kind; regular, then early."""
-        return np.minimum(t_s - self._last_s, OLDEST_S).astype(np.float32)
+        return np.asarray(np.minimum(t_s - self._last_s, OLDEST_S))
 
     def last_iteration(self, t_s: float) -> Row:
         """(D, K) when each dancer did each step in the iteration before, after its beat [s]; 0 where unknown."""
