@@ -26,10 +26,6 @@ ODOMETRY_COLUMNS = (
 _TORSO = [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "ShoulderLeft", "ShoulderRight")]
 _HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "WristRight")]
 
-FEEL_EVERY = 7
-"""The floor's force is taken at every seventh tick of the robot, out of step with the controller's."""
-
-
 class Ledger:
     """Columns of truth and odometry, and the joints at frame rate.
 
@@ -57,13 +53,11 @@ class Ledger:
         self._watched = np.zeros(frames, dtype=bool)
         self._frame = np.empty(ticks, dtype=np.int64)
         self._load = np.zeros(dancers)
-        self._rows = self._rides = self._frames = self._felt = 0
+        self._rows = self._rides = self._frames = 0
 
     def feel(self, stage: Stage) -> None:
         """Remember the floor's force; called at the robot's ticks, which are out of step with the controller's."""
-        if self._felt % FEEL_EVERY == 0:
-            self._load = stage.loads()
-        self._felt += 1
+        self._load = stage.loads()
 
     def ride(self, state: RobotState, true_pose: tuple[float, float, float]) -> None:
         """One odometry sample with the true pose."""

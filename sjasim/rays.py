@@ -76,25 +76,26 @@ def _box(p: Array, v: Array, size: Array) -> float:
 @njit(cache=True)
 def _meet(kind: int, size: Array, p: Array, v: Array) -> float:
     """Distance to one geom along a ray in its own frame."""
+    t = inf
     if kind == SPHERE:
-        return _root(1.0, p[0] * v[0] + p[1] * v[1] + p[2] * v[2], p[0] ** 2 + p[1] ** 2 + p[2] ** 2 - size[0] ** 2)
-    if kind == CAPSULE:
-        return _round(p, v, size[0], size[1], False)
-    if kind == CYLINDER:
-        return _round(p, v, size[0], size[1], True)
-    if kind == BOX:
-        return _box(p, v, size)
-    if kind == ELLIPSOID:
+        t = _root(1.0, p[0] * v[0] + p[1] * v[1] + p[2] * v[2], p[0] ** 2 + p[1] ** 2 + p[2] ** 2 - size[0] ** 2)
+    elif kind == CAPSULE:
+        t = _round(p, v, size[0], size[1], False)
+    elif kind == CYLINDER:
+        t = _round(p, v, size[0], size[1], True)
+    elif kind == BOX:
+        t = _box(p, v, size)
+    elif kind == ELLIPSOID:
         a = b = c = 0.0
         for k in range(3):
             s = 1.0 / (size[k] * size[k])
             a, b, c = a + v[k] * v[k] * s, b + p[k] * v[k] * s, c + p[k] * p[k] * s
-        return _root(a, b, c - 1.0)
-    if kind == PLANE and v[2] < -1e-15 and p[2] >= 0.0:
+        t = _root(a, b, c - 1.0)
+    elif kind == PLANE and v[2] < -1e-15 and p[2] >= 0.0:
         x = -p[2] / v[2]
         if (size[0] <= 0.0 or abs(p[0] + x * v[0]) <= size[0]) and (size[1] <= 0.0 or abs(p[1] + x * v[1]) <= size[1]):
-            return x
-    return inf
+            t = x
+    return t
 
 
 @njit(cache=True)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
+from numba import njit
 
 from .assets.names import (
     ACTUATED,
@@ -62,6 +63,18 @@ def stage_spec(
         frame = spec.worldbody.add_frame(pos=[*layout.robot, 0.0])
         spec.attach(robot_spec(robot), prefix=ROBOT_PREFIX, frame=frame)
     return spec
+
+
+@njit(cache=True)
+def _floor_forces(pairs: IntArray, first: IntArray, force: Array, soles: IntArray, dancers: int) -> Array:
+    """(D,) normal force on each dancer's soles; a contact's is the sum over its four pyramid edges [N]."""
+    out = np.zeros(dancers)
+    for k in range(len(pairs)):
+        owner = max(soles[pairs[k, 0]], soles[pairs[k, 1]])
+        if owner >= 0 and first[k] >= 0:
+            for edge in range(4):
+                out[owner] += force[first[k] + edge]
+    return out
 
 
 class Stage:
@@ -227,12 +240,12 @@ class Stage:
             self._joints = self._site_xpos.take(self._sites, axis=0)
             self._joints.flags.writeable = False
             self._joints_tick = self.tick
-        return self._joints
+        return np.asarray(self._joints)
 
     @property
     def yaw_rad(self) -> Array:
         """(D,) true headings of the pelvises [rad]."""
-        return self._qpos.take(self._root[:, 3])
+        return np.asarray(self._qpos.take(self._root[:, 3]))
 
     def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: float) -> BoolArray:
         """Which points (N, 3) something hides from an eye; see `types.StageView`."""
@@ -250,7 +263,7 @@ class Stage:
     @property
     def heights_m(self) -> Array:
         """(D,) heights of the pelvises [m]."""
-        return self._qpos.take(self._root[:, 2])
+        return np.asarray(self._qpos.take(self._root[:, 2]))
 
     def copy_tether(self, out: Array) -> None:
         """Write the tethers' force x, y [N] and torque yaw, pitch, roll [Nm], (D, 5); without tethers nothing."""
@@ -259,16 +272,10 @@ class Stage:
 
     def loads(self) -> Array:
         """(D,) floor force that each dancer's feet carry at this moment [N]."""
-        d = self.data
-        out = np.zeros(len(self._pelvis))
-        if d.ncon == 0:
-            return out
-        pairs, first = d.contact.geom, d.contact.efc_address
-        owner = np.maximum(self._soles[pairs[:, 0]], self._soles[pairs[:, 1]])
-        active = (owner >= 0) & (first >= 0)
-        rows = first[active][:, None] + np.arange(4)
-        np.add.at(out, owner[active], d.efc_force[rows].sum(axis=1))
-        return out
+        contact = self.data.contact
+        return np.asarray(
+            _floor_forces(contact.geom, contact.efc_address, self.data.efc_force, self._soles, len(self._pelvis))
+        )
 
     def bumped(self) -> bool:
         """Whether the robot touches a dancer at this moment."""

@@ -359,7 +359,7 @@ class MoveCommand:
         move: FORWARD, BACKWARD, STOP, TURN or DRIVE.
         t_start_s: session time when the server sent it first.
         speed_m_s: cruise speed of a forward or backward move; of DRIVE its speed, negative for backwards.
-        heading_rad: absolute odometry heading at which a turn ends.
+        heading_rad: absolute odometry heading at which a turn ends, or that a move takes up on its way.
         iteration: the iteration it belongs to.
         ordinal: place of its event among the iteration's events, from 0.
         why: method and evidence in words.

@@ -34,7 +34,7 @@ def test_names_load_the_room_and_are_sorted():
 
 
 def test_an_unknown_name_lists_what_is_known():
-    with pytest.raises(UnknownNameError, match="eca.*sia"):
+    with pytest.raises(UnknownNameError, match=r"eca.*sia"):
         registry.resolve("anticipation", "sai")
 
 

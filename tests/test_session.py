@@ -16,7 +16,7 @@ from sjasim.session import Session, run_session
 from sjasim.types import Kind
 
 SHORT = SessionConfig(method="sia", iterations=1, seed=5, dance=DanceConfig(rehearsal=False, lead_in_s=2.0))
-SHARES: list[float] = []
+shares_told: list[float] = []
 UNSTEADY = ("cpu_s", "wall_s", "versions")
 
 
@@ -28,8 +28,8 @@ def summary(log):
 
 @pytest.fixture(scope="module")
 def danced():
-    SHARES.clear()
-    return run_session(SHORT, SHARES.append)
+    shares_told.clear()
+    return run_session(SHORT, shares_told.append)
 
 
 def test_the_same_seed_gives_the_same_session_in_another_process(danced, tmp_path):
@@ -110,8 +110,8 @@ def test_no_event_is_lost_or_doubled_at_a_hand_over():
 
 
 def test_progress_rises_to_one(danced):
-    assert SHARES == sorted(SHARES)
-    assert SHARES[-1] == 1.0
+    assert sorted(shares_told) == shares_told
+    assert shares_told[-1] == 1.0
 
 
 @pytest.mark.parametrize(

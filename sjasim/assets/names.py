@@ -59,6 +59,10 @@ ROBOT_BIT = 2
 """Contact bit of the robot's geoms."""
 
 
+HAND_BIT = 1 << 10
+"""Contact bit of the hands, which lets a dancer's own two meet."""
+
+
 def dancer_bit(index: int) -> int:
     """Contact bit of one dancer's geoms; dancers meet one another and the robot, not themselves."""
     return 4 << index

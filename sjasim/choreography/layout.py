@@ -11,6 +11,9 @@ from ..config import RoomConfig, SensorConfig
 from ..errors import ConfigError
 from ..types import Array
 
+APART_M = 0.75
+"""Neighbours in a ring stand at least so far apart [m] (assumed)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Mount:
@@ -47,9 +50,9 @@ def layout(name: str, group: int, room: RoomConfig, sensors: SensorConfig) -> La
     """Lay out a room.
 
     Args:
-        name: ``square`` (turned so that bodies stand apart from every sensor), ``rows`` (the paper's aligned rows)
-            or ``custom`` (``room.slots_m``).
-        group: number of dancers.
+        name: ``square`` (turned so that bodies stand apart from every sensor; a ring for more than three dancers),
+            ``rows`` (the paper's aligned rows; of three for more than three dancers) or ``custom`` (``room.slots_m``).
+        group: number of dancers, 1 to 8.
         room: distances.
         sensors: their range, which every slot and move must lie in for the sensor that is faced.
 
@@ -79,14 +82,33 @@ def _slots(name: str, group: int, room: RoomConfig) -> Array:
         if len(room.slots_m) != group + 1:
             raise ConfigError("room.slots_m", room.slots_m, f"{group + 1} slots: the dancers', then the robot's")
         return np.array(room.slots_m, dtype=float)
+    if not 1 <= group <= 8:
+        raise ConfigError("group", group, "1 to 8 dancers")
     if group > 3:
-        raise ConfigError("group", group, f"at most 3 dancers in layout {name!r}; use layout 'custom'")
+        return _ring(group + 1, room) if name == "square" else _rows(group + 1, room)
     half = room.side_m / 2
     corners = np.array([[half, half], [-half, half], [half, -half], [-half, -half]])
     if name == "square":
         cos, sin = np.cos(room.turn_rad), np.sin(room.turn_rad)
         corners = corners @ np.array([[cos, sin], [-sin, cos]])
     return np.concatenate([corners[:group], corners[3:]])
+
+
+def _ring(count: int, room: RoomConfig) -> Array:
+    """Slots on the circle through the square's corners, or on a wider one where they would be too close."""
+    radius = max(room.side_m / np.sqrt(2.0), APART_M / 2 / np.sin(np.pi / count))
+    bearings = np.pi / 4 + room.turn_rad + 2 * np.pi * np.arange(count) / count
+    return np.asarray(radius * np.stack([np.cos(bearings), np.sin(bearings)], axis=1))
+
+
+def _rows(count: int, room: RoomConfig) -> Array:
+    """Slots in aligned rows of three, as wide as two slots of the small groups and half of that again."""
+    columns, lines = 3, -(-count // 3)
+    gap = 0.75 * room.side_m
+    x = gap * (1.0 - np.arange(columns))
+    y = gap * ((lines - 1) / 2 - np.arange(lines))
+    places = np.stack([np.tile(x, lines), np.repeat(y, columns)], axis=1)
+    return np.concatenate([places[: count - 1], places[-1:]])
 
 
 def _mount(name: str, index: int, room: RoomConfig) -> Mount:

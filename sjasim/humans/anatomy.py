@@ -118,6 +118,10 @@ class Anatomy:
         """The same tables as arrays, for `kinematics`."""
         masses = np.array([sum(shape.mass for shape in segment.shapes) for segment in self.segments])
         centres = np.array([_centre(segment) for segment in self.segments])
+        points = [
+            (row, *point) for row, segment in enumerate(self.segments) for shape in segment.shapes
+            for point in _points(shape)
+        ]  # fmt: skip
         hinges = [(row, hinge) for row, segment in enumerate(self.segments) for hinge in segment.hinges]
         return Chains(
             parent=np.array([segment.parent for segment in self.segments], dtype=np.int64),
@@ -130,6 +134,10 @@ class Anatomy:
             hinge_sign=np.array([hinge.sign for _, hinge in hinges], dtype=float),
             joint_segment=np.array([self.joints[name][0] for name in JOINTS], dtype=np.int64),
             joint_offset=np.array([self.joints[name][1] for name in JOINTS]),
+            feet=np.array([self.index("foot_L"), self.index("foot_R")], dtype=np.int64),
+            point_segment=np.array([row for row, _, _ in points], dtype=np.int64),
+            point_offset=np.array([offset for _, offset, _ in points]),
+            point_mass=np.array([mass for _, _, mass in points]),
             leg=np.array([self.thigh_m, self.shank_m, self.hip_m, self.ankle_m]),
         )
 
@@ -149,6 +157,10 @@ class Chains:
         hinge_sign: (25,) +1 or -1.
         joint_segment: (25,) the segment that a Kinect joint is fixed to.
         joint_offset: (25, 3) where [m].
+        feet: (2,) the left and the right foot.
+        point_segment: (P,) the segment that a mass point is fixed to.
+        point_offset: (P, 3) where [m].
+        point_mass: (P,) [kg].
         leg: thigh, shank, half hip distance, ankle height [m].
     """
 
@@ -162,7 +174,20 @@ class Chains:
     hinge_sign: Array
     joint_segment: IntArray
     joint_offset: Array
+    feet: IntArray
+    point_segment: IntArray
+    point_offset: Array
+    point_mass: Array
     leg: Array
+
+
+def _points(shape: Shape) -> list[tuple[Array, float]]:
+    """Mass points of a shape: two for a capsule, which keep a rod's moment of inertia, one for anything else."""
+    a, b = np.array(shape.a, dtype=np.float64), np.array(shape.b, dtype=np.float64)
+    if shape.form != "capsule":
+        return [(a, shape.mass)]
+    middle, half = (a + b) / 2, (b - a) / 2 / np.sqrt(3.0)
+    return [(middle - half, shape.mass / 2), (middle + half, shape.mass / 2)]
 
 
 def _centre(segment: Segment) -> Array:

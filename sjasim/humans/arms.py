@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..assets.names import ACTUATED_INDEX, ARM_JOINTS, JOINT_INDEX
@@ -69,7 +70,7 @@ def _reach(body: Anatomy, hand: Array) -> Array:
     return np.asarray(min(fits, key=lambda fit: float(fit.cost)).x)
 
 
-def walk(arms: Array, span: Array, speed: Array, swing: Array) -> None:
+def walk(arms: Array, span: NDArray[np.bool_], speed: Array, swing: Array) -> None:
     """Swing the arms with the steps, in place.
 
     Args:

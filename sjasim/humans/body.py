@@ -9,14 +9,16 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from ..assets.names import ACTUATED, FLOOR_BIT, ROBOT_BIT, ROOT_JOINTS, TETHERED, dancer_bit
+from ..assets.names import ACTUATED, FLOOR_BIT, HAND_BIT, ROBOT_BIT, ROOT_JOINTS, TETHERED, dancer_bit
 from ..config import BodyConfig
 from .anatomy import Anatomy, Segment, Shape
 
 GAINS = {
-    "abdomen_z": (2000, 150), "abdomen_y": (2800, 200), "abdomen_x": (2800, 200), "neck_y": (60, 20), "neck_z": (40, 20),
-    "hip_z": (1600, 100), "hip_x": (3600, 250), "hip_y": (3600, 250), "knee": (3200, 250), "ankle_y": (1800, 150),
-    "ankle_x": (1000, 80), "shoulder_y": (160, 60), "shoulder_x": (160, 60), "shoulder_z": (80, 30), "elbow": (120, 40),
+    "abdomen_z": (2000, 150), "abdomen_y": (2800, 200), "abdomen_x": (2800, 200),
+    "neck_y": (60, 20), "neck_z": (40, 20),
+    "hip_z": (1600, 100), "hip_x": (3600, 250), "hip_y": (3600, 250),
+    "knee": (3200, 250), "ankle_y": (1800, 150), "ankle_x": (1000, 80),
+    "shoulder_y": (160, 60), "shoulder_x": (160, 60), "shoulder_z": (80, 30), "elbow": (120, 40),
 }  # fmt: skip
 """Hinge -> stiffness [Nm/rad] and torque limit [Nm] of a dancer of 75 kg and 1.75 m (assumed; joint torques
 stay within published human maxima)."""
@@ -107,7 +109,7 @@ def _shape(body: mujoco.MjsBody, shape: Shape, index: int, group: int) -> None:
         geom.pos = shape.a
         geom.size = [*shape.size, 0, 0][:3]
     if shape.role == "hand":
-        geom.conaffinity = others | own
+        geom.contype, geom.conaffinity = own | HAND_BIT, others | HAND_BIT
     elif shape.role == "sole":
         geom.contype, geom.conaffinity, geom.group = 0, FLOOR_BIT, 3
         geom.friction = [1.0, 0.005, 0.0001]

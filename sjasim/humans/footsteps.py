@@ -75,12 +75,19 @@ def walk(profile: SpeedProfile, t_s: float, last_side: int, free_s: float) -> Wa
     return Walk(tuple(steps), begin, begin + whole, slot)
 
 
-def turn(t_s: float, duration_s: float) -> tuple[Step, ...]:
-    """Four steps of a turn on the spot to the left: left, right to half the angle, then both to all of it."""
-    slot = duration_s / 4
+def turn(t_s: float, duration_s: float, free_s: float) -> tuple[Step, ...]:
+    """Four steps of a turn on the spot to the left: left, right to half the angle, then both to all of it.
+
+    Args:
+        t_s: when the turn begins.
+        duration_s: how long it takes.
+        free_s: when the step before it has landed; the turn's steps wait for it.
+    """
+    begin = max(t_s, free_s)
+    slot = (t_s + duration_s - begin) / 4
     pause = 0.5 * SUPPORT_SHARE * slot
     return tuple(
-        Step(j % 2, t_s + j * slot + pause, t_s + (j + 1) * slot - pause, 0.5 if j < 2 else 1.0) for j in range(4)
+        Step(j % 2, begin + j * slot + pause, begin + (j + 1) * slot - pause, 0.5 if j < 2 else 1.0) for j in range(4)
     )
 
 

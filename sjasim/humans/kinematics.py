@@ -37,6 +37,7 @@ def place(
     hinge_sign: Array,
     rotation: Array,
     origin: Array,
+    axes: Array,
 ) -> None:
     """Write every segment's rotation (S, 3, 3) and origin (S, 3) relative to the pelvis' position.
 
@@ -51,6 +52,7 @@ def place(
         hinge_sign: as above.
         rotation: (S, 3, 3) output.
         origin: (S, 3) output [m].
+        axes: (25, 3) output: the hinges' axes, in their order in the tables.
     """
     j = 0
     for s in range(len(parent)):
@@ -68,6 +70,8 @@ def place(
                     + rotation[p, k, 2] * offset[s, 2]
                 )
         while j < len(hinge_segment) and hinge_segment[j] == s:
+            for k in range(3):
+                axes[j, k] = hinge_sign[j] * rotation[s, k, hinge_axis[j]]
             _turn(rotation[s], hinge_axis[j], hinge_sign[j] * q[hinge_column[j]])
             j += 1
 
@@ -89,9 +93,10 @@ def com_offsets(
     out = np.zeros((len(q), 3))
     rotation = np.zeros((len(parent), 3, 3))
     origin = np.zeros((len(parent), 3))
+    axes = np.zeros((len(hinge_segment), 3))
     total = mass.sum()
     for t in range(len(q)):
-        place(q[t], yaw[t], parent, offset, hinge_segment, hinge_column, hinge_axis, hinge_sign, rotation, origin)
+        place(q[t], yaw[t], parent, offset, hinge_segment, hinge_column, hinge_axis, hinge_sign, rotation, origin, axes)
         for s in range(len(parent)):
             for k in range(3):
                 out[t, k] += mass[s] * (
@@ -162,7 +167,7 @@ def joint_positions(chains: Chains, q: Array, pelvis: Array, yaw: float) -> Arra
     origin = np.zeros((len(chains.parent), 3))
     place(
         q, yaw, chains.parent, chains.offset, chains.hinge_segment, chains.hinge_column, chains.hinge_axis,
-        chains.hinge_sign, rotation, origin,
+        chains.hinge_sign, rotation, origin, np.zeros((len(q), 3)),
     )  # fmt: skip
     reach = np.einsum("jab,jb->ja", rotation[chains.joint_segment], chains.joint_offset)
     return np.asarray(pelvis + origin[chains.joint_segment] + reach)
@@ -174,6 +179,6 @@ def hand_rotation(chains: Chains, q: Array, segment: int) -> Array:
     origin = np.zeros((len(chains.parent), 3))
     place(
         q, 0.0, chains.parent, chains.offset, chains.hinge_segment, chains.hinge_column, chains.hinge_axis,
-        chains.hinge_sign, rotation, origin,
+        chains.hinge_sign, rotation, origin, np.zeros((len(q), 3)),
     )  # fmt: skip
     return np.asarray(rotation[segment])

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import ConfigError
 from ..types import Array
 
 ONSET_M_S = 0.10
@@ -19,6 +20,9 @@ SLOWEST_M_S = 0.27
 """People who take longer walk farther rather than creep [m/s]."""
 FASTEST_M_S = 0.45
 """Where a move is too short for its distance the distance gives way [m/s]."""
+
+SHORTEST_S = 0.50
+"""A move cannot take less: two steps and both crossings of the onset speed would not fit [s]."""
 
 
 def smooth(u: Array) -> Array:
@@ -84,8 +88,13 @@ def speed_profile(distance_m: float, duration_s: float) -> SpeedProfile:
 
     Args:
         distance_m: wanted way; gives way where it would need less than the slowest or more than the fastest speed.
-        duration_s: time between the crossings of the onset speed, at least .3 s.
+        duration_s: time between the crossings of the onset speed.
+
+    Raises:
+        ConfigError: the move is shorter than `SHORTEST_S`.
     """
+    if not SHORTEST_S <= duration_s < np.inf:
+        raise ConfigError("duration_s", duration_s, f"{SHORTEST_S:g} s or longer")
     ramp = RAMP_S
     cruise = distance_m / duration_s
     for _ in range(8):

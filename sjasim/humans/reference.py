@@ -22,6 +22,7 @@ class Reference:
         ankles: (T, 2, 3) left and right [m].
         foot_yaw: (T, 2) [rad].
         landing: (T, 2) time until a swinging foot lands [s]; 0 for a standing one.
+        torque: (T, 25) hinge torques that the motion takes [Nm].
     """
 
     joints: Array
@@ -32,11 +33,12 @@ class Reference:
     ankles: Array
     foot_yaw: Array
     landing: Array
+    torque: Array
 
     @classmethod
     def empty(cls, dancers: int, ticks: int) -> Reference:
         """All zero, with a leading axis for the dancers."""
-        shapes = ((25,), (3,), (), (2,), (), (2, 3), (2,), (2,))
+        shapes = ((25,), (3,), (), (2,), (), (2, 3), (2,), (2,), (25,))
         return cls(*(np.zeros((dancers, ticks, *shape)) for shape in shapes))
 
     def of(self, dancer: int) -> Reference:
@@ -50,4 +52,5 @@ class Reference:
             self.ankles[dancer],
             self.foot_yaw[dancer],
             self.landing[dancer],
+            self.torque[dancer],
         )

@@ -12,7 +12,7 @@ from __future__ import annotations
 import tomllib
 from dataclasses import dataclass, fields
 from importlib import resources
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -37,7 +37,8 @@ class TimingParameters:
         motor_s: standard deviation of the noise that is not carried on.
         common_s: standard deviation of the group's common shift.
         common_correlation: correlation of that shift from event to event.
-        coupling: share of its lead over each other dancer that a dancer gives up per event.
+        coupling: share of its lead over each other dancer that a dancer gives up per event in a group of three;
+            larger and smaller groups correct as much in all (assumed), and beyond .6 the ensemble is unstable.
         group_spread: log standard deviation of a group's noise scale.
         iteration_spread: the same from iteration to iteration.
         entrainment: exponent of the robot's last timing error in the dancers' own noise.
@@ -60,14 +61,17 @@ class TimingParameters:
 
     def __post_init__(self) -> None:
         for name in ("timekeeper_s", "motor_s", "common_s", "group_spread", "iteration_spread", "entrainment"):
-            if not 0.0 <= getattr(self, name) <= 5.0:
-                raise ConfigError(f"humans.{name}", getattr(self, name), "0 to 5")
-        if not 0.0 <= self.common_correlation < 1.0:
-            raise ConfigError("humans.common_correlation", self.common_correlation, "0 to below 1")
-        if not 0.0 <= self.coupling <= 0.6:
-            raise ConfigError("humans.coupling", self.coupling, "0 to .6 (beyond, the ensemble is unstable)")
-        if not 0.0 <= self.lapse <= 1.0:
-            raise ConfigError("humans.lapse", self.lapse, "0 to 1")
+            _within(name, getattr(self, name), 0.0, 5.0)
+        _within("common_correlation", self.common_correlation, 0.0, 0.999)
+        _within("coupling", self.coupling, 0.0, 0.6)
+        _within("lapse", self.lapse, 0.0, 1.0)
+        for late in self.late_s:
+            _within("late_s", late, -5.0, 5.0)
+
+
+def _within(name: str, value: object, low: float, high: float) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
+        raise ConfigError(f"humans.{name}", value, f"a number from {low:g} to {high:g}")
 
 
 def preset_names() -> tuple[str, ...]:
@@ -84,14 +88,16 @@ def preset(name: str) -> TimingParameters:
     table = _presets()
     if name not in table:
         raise UnknownNameError("humans preset", name, tuple(table))
-    values = {key: tuple(value) if isinstance(value, list) else value for key, value in table[name].items()}
+    values: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in table[name].items()
+    }
     unknown = values.keys() - {field.name for field in fields(TimingParameters)}
     if unknown:
         raise ConfigError(f"humans.{name}", sorted(unknown), "fields of TimingParameters")
     return TimingParameters(**values)
 
 
-def _presets() -> dict[str, dict[str, object]]:
+def _presets() -> dict[str, dict[str, Any]]:
     text = resources.files(__package__.rpartition(".")[0]).joinpath("assets/presets.toml").read_text("utf-8")
     return tomllib.loads(text)
 
@@ -119,6 +125,9 @@ class EnsembleTiming:
         dancers: how many.
         people: random stream of the persons; the same people meet every method.
         performance: random stream of this take.
+
+    Raises:
+        ConfigError: a group of none, or of more than 8.
     """
 
     def __init__(
@@ -129,7 +138,10 @@ class EnsembleTiming:
         people: np.random.Generator,
         performance: np.random.Generator,
     ) -> None:
+        if isinstance(dancers, bool) or not 1 <= dancers <= 8:
+            raise ConfigError("group", dancers, "1 to 8 dancers")
         self._p = parameters
+        self._coupling = parameters.coupling * 3.0 / dancers
         self._timetable = timetable
         self._dancers = dancers
         self._rng = performance
@@ -177,7 +189,7 @@ class EnsembleTiming:
         out = np.empty(shape)
         for k in range(shape[1]):
             if k:
-                phase = phase - p.coupling * (self._dancers * phase - phase.sum()) + timekeeper[:, k]
+                phase = phase - self._coupling * (self._dancers * phase - phase.sum()) + timekeeper[:, k]
             out[:, k] = phase
         return out + motor
 

@@ -19,8 +19,8 @@ HOLD_PER_S = 2.0
 HOLD_MAX_RAD_S = 0.3
 """Bound of that yaw rate: below the rate that counts as a turn; assumed."""
 
-HOLD_REACH_RAD = 0.25
-"""A straight move keeps the last turn's heading when the robot is no farther off; else the one it has; assumed."""
+HOLD_REACH_RAD = 0.6
+"""A straight move takes up the heading it is given when the robot is no farther off; else it keeps its own; assumed."""
 
 TURN_PER_S = 10.0
 """Yaw rate per radian at the end of a turn, where the square-root profile would be infinitely steep; assumed."""
@@ -54,8 +54,9 @@ EXECUTABLE = (Move.FORWARD, Move.BACKWARD, Move.STOP, Move.TURN, Move.DRIVE)
 class Executor:
     """Carries out move commands, one at a time; a higher number replaces a lower one after its own dead time.
 
-    A copy of the one under way may carry another speed, which is taken at once. A base that hears nothing for ``command_timeout_s`` during a move ramps to a stop; a copy of the command that
-    arrives later lets it go on. A finished turn and a stop have nothing to time out.
+    A copy of the one under way may carry another speed, which is taken at once. A base that hears nothing for
+    ``command_timeout_s`` during a move ramps to a stop; a copy of the command that arrives later lets it go on. A
+    finished turn and a stop have nothing to time out.
 
     Attributes:
         number: of the command being carried out, 0 before the first.
@@ -145,8 +146,9 @@ class Executor:
         self.number = command.number
         if command.move is Move.TURN:
             self._heading_ref = command.heading_rad
-        elif not abs(heading - self._heading_ref) <= HOLD_REACH_RAD:
-            self._heading_ref = heading
+        elif command.move is not Move.STOP:
+            near = abs(command.heading_rad - heading) <= HOLD_REACH_RAD
+            self._heading_ref = command.heading_rad if near else heading
 
     def _wanted(self, state: RobotState) -> tuple[float, float]:
         """Speed and yaw rate that the ramps should go for."""

@@ -45,8 +45,11 @@ farther off as possible; assumed."""
 PAST_M = 0.05
 """So far past its end a move begins to crawl (assumed)."""
 
-HALT_M = 0.15
+HALT_M = 0.40
 """And so far past it the server halts it, whatever the method says: the next place is somebody else's (assumed)."""
+
+STEER, STEER_MAX_RAD = 0.8, 0.25
+"""Share of a sideways error that one move is turned to make good, and by how much at most (assumed)."""
 
 SHORTEST_S = 0.5
 """Shortest duration a move is planned for [s]."""
@@ -224,7 +227,7 @@ class Dispatcher:
             move=move,
             t_start_s=t_s,
             speed_m_s=velocity[0] if move is Move.DRIVE else self._speed_m_s(key, move),
-            heading_rad=float(self._timetable.heading_rad(iteration)),
+            heading_rad=float(self._timetable.heading_rad(iteration)) + self._steer_rad(key, move),
             iteration=key[0],
             ordinal=key[1],
             why=why,
@@ -257,6 +260,17 @@ class Dispatcher:
         speed = self._robot.cruise_m_s - ahead / duration if move is Move.FORWARD else ahead / duration
         low, high = SPEED_M_S
         return min(max(speed, low), high, self._robot.max_speed_m_s)
+
+    def _steer_rad(self, key: Key, move: Move) -> float:
+        """How far a move is turned off the iteration's heading, so that it also leads back beside the slot."""
+        if move not in (Move.FORWARD, Move.BACKWARD) or self._state is None:
+            return 0.0
+        heading = self._timetable.heading_rad(key[0])
+        x, y = self._state.x_m - self._slot[0], self._state.y_m - self._slot[1]
+        aside = y * math.cos(heading) - x * math.sin(heading)
+        way = self._robot.cruise_m_s * self._nominal_s(key[1])
+        steer = min(max(STEER * aside / way, -STEER_MAX_RAD), STEER_MAX_RAD)
+        return steer if move is Move.BACKWARD else -steer
 
     def _paced(self, command: MoveCommand) -> MoveCommand:
         """The command again; at a crawl once its move is past its end, and with speed 0 far past it."""

@@ -10,7 +10,6 @@ from sjasim.choreography.score import TempoMap, Timetable
 from sjasim.choreography.timetable import timetable
 from sjasim.config import DanceConfig, SessionConfig
 from sjasim.errors import ConfigError, PluginError, UnknownNameError
-from sjasim.types import Kind
 
 BEAT_S = 60 / 118
 

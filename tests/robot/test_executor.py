@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -75,6 +76,13 @@ def test_a_copy_is_executed_once(base, order):
     base.run(1.5, every=lambda: base.executor.receive(base.t_s, command))
     base.heading = 0.2
     assert set(base.run(0.5, every=lambda: base.executor.receive(base.t_s, command))) == {(0.0, 0.0)}
+
+
+def test_a_copy_may_slow_down_the_move_under_way(base, order):
+    base.executor.receive(0.0, order(1, Move.FORWARD))
+    base.run(0.5)
+    base.executor.receive(base.t_s, replace(order(1, Move.FORWARD), speed_m_s=0.13))
+    assert base.run(0.2)[-1][0] == pytest.approx(0.13)
 
 
 def test_an_older_number_is_ignored(base, order):

@@ -14,8 +14,8 @@ from sjasim.session import run_session
 
 pytestmark = pytest.mark.slow
 
-SEEDS = range(9001, 9011)
-STRAY = 1
+SEEDS = range(9301, 9311)
+STRAY = 2
 """How many of the ten robots may end off their slot: a followed dancer whose stop stays hidden lets the robot run on
 until it is halted, and a forward move whose backward one was passed over is not made up for before the next turn."""
 
@@ -44,7 +44,7 @@ def figures():
 def test_nobody_falls_and_the_feet_carry(danced):
     _, _, result = danced
     assert result.bodies.falls == 0
-    assert result.bodies.feet_load_share >= 0.98  # sampled now and then, it scatters by half a per cent
+    assert result.bodies.feet_load_share >= 0.99
 
 
 def test_every_planned_move_is_made(danced):

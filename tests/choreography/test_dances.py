@@ -1,0 +1,85 @@
+"""Every dance: in order, with time to move and to hold, back on its slot, and danceable."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from sjasim.choreography.score import MOVE_EVENTS, TempoMap, Timetable
+from sjasim.humans.timing import SHORTEST_HOLD_S, SHORTEST_MOVE_S
+from sjasim.registry import names, resolve
+from sjasim.types import Kind, Move
+
+from ..humans.dancing import builds, paper_floor
+
+DANCES = names("choreography")
+
+
+def dance(name: str):
+    return resolve("choreography", name).factory()
+
+
+def test_the_dances_that_ship():
+    assert {"paper", "march", "waltz"} <= set(DANCES)
+
+
+@pytest.mark.parametrize("name", DANCES)
+def test_moves_are_in_order_and_inside_the_window(name):
+    score = dance(name)
+    assert score.name == name
+    end = 0.0
+    for item in score.moves:
+        assert item.beat >= end
+        end = item.beat + item.beats
+    assert end <= score.close_beat <= score.iteration_beats
+    beats = [step.beat for step in score.steps()]
+    assert beats == sorted(beats)
+
+
+@pytest.mark.parametrize("bpm", [80, 118, 140])
+@pytest.mark.parametrize("name", DANCES)
+def test_there_is_time_to_move_and_to_hold(name, bpm):
+    score = dance(name)
+    moves = [item for item in score.moves if len(MOVE_EVENTS[item.move]) == 2]
+    beat = 60.0 / bpm
+    for before, after in pairwise(moves):
+        assert before.beats * beat >= SHORTEST_MOVE_S
+        assert (after.beat - before.beat - before.beats) * beat > SHORTEST_HOLD_S
+
+
+@pytest.mark.parametrize("name", DANCES)
+def test_everybody_comes_back(name):
+    moves = [item.move for item in dance(name).moves]
+    assert moves.count(Move.FORWARD) == moves.count(Move.BACKWARD) > 0
+
+
+@pytest.mark.parametrize("name", DANCES)
+def test_occurrences_count_events_of_a_kind(name):
+    steps = dance(name).steps()
+    for kind in Kind:
+        assert [step.occurrence for step in steps if step.kind is kind] == list(
+            range(sum(step.kind is kind for step in steps))
+        )
+
+
+def test_a_march_does_not_turn_and_a_waltz_is_in_three():
+    march, waltz = dance("march"), dance("waltz")
+    assert march.turn_rad == 0.0
+    assert {item.move for item in march.moves} == {Move.FORWARD, Move.BACKWARD}
+    assert len({item.beat % 8 for item in march.moves if item.move is Move.FORWARD}) == 1
+    assert all(item.beat % 3 == 0 for item in waltz.moves if item.move is not Move.TURN)
+    assert waltz.iteration_beats % 3 == 0
+    table = Timetable(march, TempoMap.steady(120), 4.0, 0, 4)
+    assert [table.heading_rad(iteration) for iteration in range(5)] == pytest.approx([np.pi / 2] * 5)
+
+
+@pytest.mark.parametrize("name", ["march", "waltz"])
+def test_a_dance_can_be_danced(name):
+    floor = paper_floor(builds(2, 31), seed=31, sd_s=0.1, name=name).run()
+    assert not floor.fell
+    assert floor.pelvis_errors().mean() < 0.015
+    errors = [error for dancer in range(2) for _, error, _ in floor.event_errors(dancer)]
+    assert np.isfinite(errors).all()
+    assert np.abs(errors).max() < 0.08

@@ -1,0 +1,157 @@
+"""Dancers on a stage without sensors: plans, balance and physics as in a session, and what came of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from sjasim.analysis.onsets import claps, moves
+from sjasim.choreography.layout import layout
+from sjasim.choreography.score import MOVE_EVENTS, Choreography, TempoMap, Timetable
+from sjasim.config import BodyConfig, RobotConfig, RoomConfig, SensorConfig, StageConfig
+from sjasim.humans.anatomy import Anatomy, Build, anatomy
+from sjasim.humans.balance import Balance, BalanceGains
+from sjasim.humans.motion import Planner
+from sjasim.humans.reference import Reference
+from sjasim.registry import resolve
+from sjasim.stage import Stage
+from sjasim.types import Array, Cue, Kind, Move, dancer_name
+
+HZ = 60
+NORTH = np.pi / 2
+
+
+def dance(name: str = "paper") -> Choreography:
+    return resolve("choreography", name).factory()
+
+
+def builds(count: int, seed: int) -> list[Anatomy]:
+    rng = np.random.default_rng(seed)
+    return [anatomy(Build(rng.uniform(1.50, 1.95), rng.uniform(50, 100))) for _ in range(count)]
+
+
+def walk_cue(move: Move, t_s: float, duration_s: float, dancer: int = 0) -> Cue:
+    return Cue(dancer_name(dancer), move, 1, 0, 0.0, t_s, duration_s)
+
+
+def jittered(timetable: Timetable, iteration: int, dancer: int, rng: np.random.Generator, sd_s: float) -> list[Cue]:
+    """One iteration's cues with independent jitter at every event, no move under .8 s, no hold under .15 s."""
+    cues: list[Cue] = []
+    free = 0.0
+    for index, item in enumerate(timetable.choreography.moves):
+        t = timetable.time_s(iteration, item.beat) + float(np.clip(rng.normal(0, sd_s), -0.6, 0.6))
+        end = timetable.time_s(iteration, item.beat + item.beats) + float(np.clip(rng.normal(0, sd_s), -0.6, 0.6))
+        t = max(t, free)
+        duration = max(end - t, 0.8) if len(MOVE_EVENTS[item.move]) == 2 else 0.0
+        if item.move is Move.TURN:
+            t, duration = cues[-1].t_s + 0.25, 1.8
+        ordinal = timetable.choreography.first_ordinal(index)
+        cues.append(Cue(dancer_name(dancer), item.move, iteration, ordinal, item.beat, t, duration))
+        free = t + duration + 0.15
+    return cues
+
+
+@dataclass
+class Floor:
+    """A stage with planners and balance; the columns of ``truth`` have a row per control tick."""
+
+    bodies: list[Anatomy]
+    seconds: float
+    heading: float = NORTH
+    turn_rad: float = NORTH
+    robot: RobotConfig | None = None
+    body: BodyConfig = field(default_factory=BodyConfig)
+    gains: BalanceGains | None = None
+    slots: Array | None = None
+
+    def __post_init__(self) -> None:
+        count = len(self.bodies)
+        room = layout("square", min(count, 3), RoomConfig(), SensorConfig())
+        if self.slots is not None:
+            room = replace(room, dancers=self.slots)
+        self.ticks = round(self.seconds * HZ)
+        self.reference = Reference.empty(count, self.ticks + 120)
+        self.planners = [
+            Planner(body, room.dancers[i], self.heading, 0.5, self.turn_rad, HZ, self.reference.of(i))
+            for i, body in enumerate(self.bodies)
+        ]
+        start = self.reference.joints[:, 0].copy(), self.reference.pelvis[:, 0].copy()
+        self.stage = Stage(self.bodies, room, (self.heading, NORTH), *start, StageConfig(), self.body, self.robot)
+        omega = np.array([planner.omega for planner in self.planners])
+        self.balance = Balance(self.reference, omega, HZ, self.stage.servos, self.gains)
+        self.cues: list[list[Cue]] = [[] for _ in self.bodies]
+        self.tick = 0
+        self.truth: dict[str, list[Array]] = {name: [] for name in ("roots", "tether", "loads", "hands", "joints")}
+
+    def plan(self, dancer: int, cues: Sequence[Cue], now_s: float) -> None:
+        self.cues[dancer] += cues
+        self.planners[dancer].extend(cues, now_s)
+
+    def run(self, seconds: float | None = None) -> Floor:
+        """Dance on, to the end unless told how long."""
+        last = self.ticks if seconds is None else self.tick + round(seconds * HZ)
+        for tick in range(self.tick, last):
+            self.stage.apply(self.balance.targets(tick, self.stage.states()))
+            self.stage.step_to((tick + 1) * 4)
+            hands, tether = np.zeros((len(self.cues), 2, 3)), np.zeros((len(self.cues), 5))
+            self.stage.copy_hands(hands)
+            self.stage.copy_tether(tether)
+            gaps = np.linalg.norm(hands[:, 0] - hands[:, 1], axis=1)
+            rows = self.stage.states().root, tether, self.stage.loads(), gaps
+            for column, row in zip(self.truth.values(), (*rows, self.stage.joints_m), strict=True):
+                column.append(np.array(row))
+        self.tick = last
+        return self
+
+    def column(self, name: str) -> Array:
+        return np.array(self.truth[name])
+
+    @property
+    def times(self) -> Array:
+        return (np.arange(len(self.truth["roots"])) + 1) / HZ
+
+    @property
+    def fell(self) -> bool:
+        standing = np.array([body.standing_m for body in self.bodies])
+        return bool((self.column("roots")[:, :, 2] < 0.65 * standing).any())
+
+    def pelvis_errors(self) -> Array:
+        """(T, D) distance between planned and true pelvis on the floor [m]."""
+        planned = self.reference.pelvis[:, 1 : len(self.times) + 1, :2].swapaxes(0, 1)
+        return np.linalg.norm(self.column("roots")[:, :, :2] - planned, axis=2)
+
+    def tether_n(self) -> Array:
+        """(T, D) horizontal force of the tether [N]."""
+        force = self.column("tether")
+        return np.hypot(force[..., 0], force[..., 1])
+
+    def event_errors(self, dancer: int) -> list[tuple[Kind, float, float]]:
+        """(kind, true minus planned time, planned duration of the move) of every start, stop and clap; NaN if missing.
+
+        Starts and stops are crossings of .10 m/s by SpineBase's speed along the heading.
+        """
+        roots = self.column("roots")[:, dancer]
+        found = moves(self.times, roots[:, 0], roots[:, 1], roots[:, 3])
+        found += [(t, Kind.CLAP) for t in claps(self.times, self.column("hands")[:, dancer])]
+        errors = []
+        for cue in self.cues[dancer]:
+            for kind, t_s in cue.events():
+                near = [t for t, other in found if other is kind and abs(t - t_s) < 0.4]
+                errors.append((kind, min((t - t_s for t in near), key=abs, default=np.nan), cue.duration_s))
+        return errors
+
+
+def paper_floor(bodies: list[Anatomy], seed: int, iterations: int = 1, sd_s: float = 0.1, lead_in_s: float = 2.0,
+                name: str = "paper", **options) -> Floor:  # fmt: skip
+    """Dancers who know an iteration or more of a dance."""
+    choreography = dance(name)
+    timetable = Timetable(choreography, TempoMap.steady(118), lead_in_s, 1, iterations)
+    floor = Floor(bodies, timetable.close_s(iterations) + 1.5, turn_rad=choreography.turn_rad, **options)
+    rng = np.random.default_rng([seed, 7])
+    for dancer in range(len(bodies)):
+        for iteration in range(1, iterations + 1):
+            cues = jittered(timetable, iteration, dancer, rng, sd_s)
+            floor.plan(dancer, cues, max(0.0, timetable.start_s(iteration) - 2.0))
+    return floor
