@@ -179,7 +179,7 @@ class TestBadInput:
         [({"iteratoins": 2}, "did you mean 'iterations'"), ({"iterations": 0}, "iterations"),
          ({"sensors": {"rate": 3}}, "sensors.rate"), ({"method": "none"}, "humans|robot"), ({"step_hz": 0}, "step_hz"),
          ({"reward": {"timming": 1.0}}, "reward.timming"), ({"reward": {"drift": np.nan}}, "reward.drift"),
-         ({"layout": "rows", "group": 5}, "group")],
+         ({"layout": "rows", "group": 9}, "group")],
     )  # fmt: skip
     def test_options_of_make(self, options, named):
         with pytest.raises(error.Error, match=named):
@@ -195,7 +195,7 @@ class TestBadInput:
             make().reset(options=options)
 
     def test_order_of_calls(self):
-        env = make(dance={"rehearsal": False, "bpm": 220.0, "lead_in_s": 1.0, "tail_s": 0.0}).unwrapped
+        env = make(dance={"rehearsal": False, "bpm": 180.0, "lead_in_s": 1.0, "tail_s": 0.0}).unwrapped
         with pytest.raises(error.ResetNeeded, match="reset"):
             env.step(0)
         with pytest.raises(error.ResetNeeded, match="reset"):
