@@ -64,4 +64,17 @@ def _pick_gl() -> None:
     os.environ["MUJOCO_GL"] = "disable"
 
 
+def _register_environments() -> None:
+    """Make the Gymnasium ids known; from a clone that is not installed they are found beside the package."""
+    try:
+        importlib.import_module("sjasim_envs")
+    except ModuleNotFoundError as missing:
+        skin = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "envs")
+        if missing.name != "sjasim_envs" or not os.path.isdir(os.path.join(skin, "sjasim_envs")):
+            raise
+        sys.path.append(skin)
+        importlib.import_module("sjasim_envs")
+
+
 _pick_gl()
+_register_environments()

@@ -52,7 +52,7 @@ class Options:
 def command(arguments: Sequence[str]) -> None:
     """Measure and print."""
     options = cli.parse(Options, arguments, Options(), "python -m sjasim.benchmark", ABOUT)
-    from .profiling import profile
+    from .profiling import profile, profile_env
 
     sys.stderr.write("measuring one session and its raw physics ...\n")
     config = SessionConfig(method=options.method, seed=options.seed, iterations=options.iterations)
@@ -61,7 +61,7 @@ def command(arguments: Sequence[str]) -> None:
         "command": f"python -m sjasim.benchmark {' '.join(arguments)}".rstrip(),
         "machine": machine(),
         "versions": versions(),
-        **results(profile(config), import_s()),
+        **results(profile(config) | profile_env(), import_s()),
     }
     if options.json:
         sys.stdout.write(json.dumps(report, indent=1, allow_nan=False) + "\n")
@@ -76,7 +76,8 @@ def results(profile: Mapping[str, Any], import_time_s: float) -> dict[str, Any]:
         profile: ``sim_s``; ``cpu_s`` of the session; ``raw_cpu_s`` of its recorded controls replayed through the
             bare physics of the same scene; ``room_cpu_s`` by room (``physics``, ``planning``, ``stabiliser``,
             ``sensing``, ``server``, ``decision``, ``logging``, ...); ``stabiliser_ticks``; ``decisions``, how
-            often a method was called; ``peak_mb``. Absent ones make null figures.
+            often a method was called; ``peak_mb``; ``env_steps``, ``env_cpu_s`` and ``env_raw_cpu_s`` of the
+            environment and the bare physics of its steps. Absent ones make null figures.
         import_time_s: time of ``import sjasim`` [s].
 
     Returns:
@@ -93,6 +94,8 @@ def results(profile: Mapping[str, Any], import_time_s: float) -> dict[str, Any]:
         "stabiliser_tick_cpu_s": _ratio(rooms.get("stabiliser"), profile.get("stabiliser_ticks")),
         "decision_cpu_s": _ratio(rooms.get("decision"), profile.get("decisions")),
         "logging_share": _ratio(rooms.get("logging"), cpu_s),
+        "env_steps_per_s": _ratio(profile.get("env_steps"), profile.get("env_cpu_s")),
+        "env_ratio_to_raw": _ratio(profile.get("env_raw_cpu_s"), profile.get("env_cpu_s")),
         "import_s": import_time_s,
         "peak_mb": profile.get("peak_mb"),
     }

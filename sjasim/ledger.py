@@ -26,6 +26,7 @@ ODOMETRY_COLUMNS = (
 _TORSO = [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "ShoulderLeft", "ShoulderRight")]
 _HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "WristRight")]
 
+
 class Ledger:
     """Columns of truth and odometry, and the joints at frame rate.
 

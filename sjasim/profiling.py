@@ -132,6 +132,44 @@ def _instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
     return controls
 
 
+def profile_env() -> dict[str, Any]:
+    """Measure the named environment at 30 Hz, in turn with the bare physics under the same controls.
+
+    The metronome dances one iteration; building the session is not counted, for a reset is not a step.
+
+    Returns:
+        ``env_steps``, ``env_cpu_s`` and ``env_raw_cpu_s``.
+    """
+    from sjasim_envs.dance import DanceEnv
+
+    def begun() -> tuple[DanceEnv, Any, int]:
+        env = DanceEnv(iterations=1, dance={"rehearsal": False}, method="metronome")
+        env.reset(seed=0)
+        return env, env.session.world.stage, int(env.session.end_s * 30)
+
+    env, stage, count = begun()
+    start = (stage.data.qpos.copy(), stage.data.qvel.copy())
+    controls = _instrument(Meter(), env.session)
+    _steps(env, count)
+    bare = _Bare(stage.model, start, controls)
+    env, stage, _ = begun()
+    cpu_s = raw_cpu_s = 0.0
+    for done in range(0, count, 30):
+        begin = time.process_time()
+        _steps(env, min(30, count - done))
+        middle = time.process_time()
+        bare.advance(stage.tick)
+        cpu_s, raw_cpu_s = cpu_s + middle - begin, raw_cpu_s + time.process_time() - middle
+    return {"env_steps": count, "env_cpu_s": cpu_s, "env_raw_cpu_s": raw_cpu_s}
+
+
+def _steps(env: Any, count: int) -> None:
+    """Repeat the move in force, so that the environment's method decides."""
+    action = 0
+    for _ in range(count):
+        action = int(env.step(action)[0]["command"][:4].argmax())
+
+
 def peak_mb() -> float | None:
     """Peak memory of this process [MB]; None where the system does not tell."""
     try:

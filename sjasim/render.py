@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
@@ -87,6 +89,9 @@ class Renderer:
                 f"no OpenGL to draw pictures with ({_first_line(error)}): on Debian and Ubuntu install libegl1 "
                 "(apt-get install libegl1), and leave MUJOCO_GL alone or set it to egl"
             ) from None
+        _OPEN.add(self)
+        atexit.unregister(_close_all)
+        atexit.register(_close_all)
         self._option = mujoco.MjvOption()
         self._option.sitegroup[:] = 0
         self._option.geomgroup[3] = 0
@@ -104,7 +109,7 @@ class Renderer:
         Raises:
             RenderError: no camera of that name.
         """
-        self._renderer.update_scene(self._stage.data, _camera(camera), self._option)
+        self._renderer.update_scene(self._stage.data, free_camera(camera), self._option)
         for mount in self._mounts:
             self._draw(mount, mount.name == active)
         return np.asarray(self._renderer.render(), dtype=np.uint8)
@@ -127,6 +132,7 @@ class Renderer:
 
     def close(self) -> None:
         """Give the graphics memory back."""
+        _OPEN.discard(self)
         self._renderer.close()
 
     def __enter__(self) -> Renderer:
@@ -138,7 +144,24 @@ class Renderer:
         self.close()
 
 
-def _camera(camera: str | Camera) -> mujoco.MjvCamera:
+_OPEN: weakref.WeakSet[Renderer] = weakref.WeakSet()
+
+
+def _close_all() -> None:
+    """At the interpreter's end, before MuJoCo takes the OpenGL display away from contexts that are still open.
+
+    What is registered last runs first, and MuJoCo registers its own with the first context.
+    """
+    for renderer in tuple(_OPEN):
+        renderer.close()
+
+
+def free_camera(camera: str | Camera) -> mujoco.MjvCamera:
+    """MuJoCo's camera for one of ours, or the one of a name.
+
+    Raises:
+        RenderError: no camera of that name.
+    """
     if isinstance(camera, str):
         if camera not in CAMERAS:
             raise RenderError(f"no camera named {camera!r}: known are {', '.join(CAMERAS)}")

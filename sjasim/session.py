@@ -46,20 +46,25 @@ class Session:
 
     Args:
         config: everything about the session.
+        method: used in place of the one that ``config.method`` names, which then is but a name; a driver from
+            outside, such as a learning environment's agent, gives one that answers nothing and orders moves of the
+            dispatcher itself.
 
     Raises:
         SjasimError: a name is unknown, an option is not allowed, the layout does not fit the sensors, or a fault
             has nobody to hit.
     """
 
-    def __init__(self, config: SessionConfig) -> None:
+    def __init__(self, config: SessionConfig, method: Method | None = None) -> None:
         self._started = time.process_time(), time.perf_counter()
         self.config = config
         self.timetable = timetable(config)
         self.layout = layout(config.layout, config.group, config.room, config.sensors)
         _check_faults(config, [mount.name for mount in self.layout.mounts])
         robot = config.method != HUMANS_ONLY
-        self.method: Method | None = build(config.method, config.method_options) if robot else None
+        self.method: Method | None = None
+        if robot:
+            self.method = method or build(config.method, config.method_options)
         self.brief = _brief(self)
         self.server = Server(self.timetable, self.layout, config)
         self.dispatcher = Dispatcher(self.brief, self.timetable, self.layout, config.robot, config.network.heartbeat_hz)
@@ -95,10 +100,14 @@ class Session:
         return self.world.time_s
 
     def advance(self, until_s: float) -> None:
-        """Go on until a session time, instant by instant."""
+        """Go on until a session time, instant by instant; where a caller pauses changes nothing."""
         while self.time_s < until_s - 1e-9:
-            outputs = self.world.advance(min(until_s, self._next_due_s()), self._inputs)
+            due = self._next_due_s()
+            outputs = self.world.advance(min(until_s, due), self._inputs)
+            self._inputs = []
             now = self.time_s
+            if not outputs and now < due:
+                continue
             for output in outputs:
                 self._send_up(now, output)
             arrived = self._arrival_s <= now

@@ -146,6 +146,8 @@ class Stage:
         self._tether: IntArray = np.array(pulls, dtype=np.int64).reshape(-1, 5)
         self._tethered = tethered
         owner = np.full(m.ngeom, -1, dtype=np.int64)
+        names = [m.geom(geom).name for geom in range(m.ngeom)]
+        self._shell = np.array([name.startswith(ROBOT_PREFIX) for name in names])
         soles = np.full(m.ngeom, -1, dtype=np.int64)
         for geom in range(m.ngeom):
             name = m.geom(geom).name
@@ -155,6 +157,7 @@ class Stage:
                     if m.geom_contype[geom] == 0:
                         soles[geom] = index
         self._owner, self._soles = owner, soles
+        self._flesh = owner >= 0
         self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
         self._kinds = m.geom_type.astype(np.int64)
         self._sizes, self._bounds = m.geom_size, m.geom_rbound
@@ -284,6 +287,11 @@ class Stage:
         return np.asarray(
             _floor_forces(contact.geom, contact.efc_address, self.data.efc_force, self._soles, len(self._pelvis))
         )
+
+    def bumped(self) -> bool:
+        """Whether the robot touches a dancer at this moment."""
+        first, second = self.data.contact.geom.T
+        return bool(((self._shell[first] & self._flesh[second]) | (self._flesh[first] & self._shell[second])).any())
 
     def let_go(self, dancer: int) -> None:
         """A fallen dancer's muscles and tether go limp."""

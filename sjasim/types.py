@@ -35,6 +35,8 @@ class Move(StrEnum):
     STOP = "stop"
     CLAP = "clap"
     TURN = "turn"
+    DRIVE = "drive"
+    """The robot only, and only from outside the score: a speed and a yaw rate of the driver's choice."""
 
 
 class Kind(StrEnum):
@@ -354,13 +356,14 @@ class MoveCommand:
 
     Attributes:
         number: counts commands of a session from 1; a higher number replaces a lower one.
-        move: FORWARD, BACKWARD, STOP or TURN.
+        move: FORWARD, BACKWARD, STOP, TURN or DRIVE.
         t_start_s: session time when the server sent it first.
-        speed_m_s: cruise speed of a forward or backward move.
+        speed_m_s: cruise speed of a forward or backward move; of DRIVE its speed, negative for backwards.
         heading_rad: absolute odometry heading at which a turn ends, or that a move or a stop takes up meanwhile.
         iteration: the iteration it belongs to.
         ordinal: place of its event among the iteration's events, from 0.
         why: method and evidence in words.
+        yaw_rate_rad_s: of DRIVE; other moves set their own.
     """
 
     number: int
@@ -371,6 +374,7 @@ class MoveCommand:
     iteration: int
     ordinal: int
     why: str
+    yaw_rate_rad_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

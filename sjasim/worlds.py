@@ -38,6 +38,7 @@ from .types import (
     Kind,
     MoveCommand,
     RobotState,
+    SkeletonFrame,
     SyncReply,
     SyncRequest,
     WheelCommand,
@@ -202,6 +203,10 @@ class PhysicsWorld:
             due = min(self._balance_task.due, self._frame_task.due, self._robot_task.due, goal)
             self.stage.step_to(due)
         return self._outbox
+
+    def latest(self, sensor: str) -> SkeletonFrame | None:
+        """The last frame that a sensor's client has processed."""
+        return self._clients[sensor].latest
 
     def _fire(self) -> None:
         """Do everything that is due at this tick, before the physics goes on."""

@@ -7,7 +7,7 @@ import pytest
 
 from sjasim.assets.names import JOINT_INDEX
 from sjasim.config import SessionConfig
-from sjasim.ledger import FEEL_EVERY, ODOMETRY_COLUMNS, TRUTH_COLUMNS, Ledger
+from sjasim.ledger import ODOMETRY_COLUMNS, TRUTH_COLUMNS, Ledger
 from sjasim.types import RobotState
 
 WEIGHTS = np.array([700.0, 650.0])
@@ -85,8 +85,8 @@ def test_the_load_is_felt_now_and_then_and_what_does_not_fit_is_let_go():
 
     stage = Heavier()
     ledger = Ledger(stage, 0.1, SessionConfig())
-    for _ in range(3 * FEEL_EVERY):
+    for _ in range(21):
         ledger.feel(stage)
         ledger.write(0.0, np.zeros((2, 6)), stage, np.zeros(2, dtype=bool))
-    assert stage.felt == 3
+    assert stage.felt == 21
     assert len(ledger.truth()["t_s"]) <= 2 * (6 + 2)

@@ -51,7 +51,7 @@ STALL_M_S, STALL_RAD_S = 0.05, 0.2
 LONGEST_STEP_S = 0.1
 """Ramps never take a longer stride than this after a gap in the samples; assumed."""
 
-EXECUTABLE = (Move.FORWARD, Move.BACKWARD, Move.STOP, Move.TURN)
+EXECUTABLE = (Move.FORWARD, Move.BACKWARD, Move.STOP, Move.TURN, Move.DRIVE)
 
 
 class Executor:
@@ -160,6 +160,9 @@ class Executor:
             return 0.0, 0.0
         if command.move is Move.TURN:
             return 0.0, self._turn_rate(state)
+        if command.move is Move.DRIVE:
+            most, fastest = self._config.max_speed_m_s, self._config.max_yaw_rate_rad_s
+            return min(max(command.speed_m_s, -most), most), min(max(command.yaw_rate_rad_s, -fastest), fastest)
         speed = 0.0
         if command.move is not Move.STOP:
             speed = min(abs(command.speed_m_s), self._config.max_speed_m_s)

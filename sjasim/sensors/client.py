@@ -100,6 +100,7 @@ class Client:
         self._detectors = Detectors(detector_config, sensor_config.rate_hz)
         self._latency_s = sensor_config.latency_frames / sensor_config.rate_hz
         self._pending: deque[_Capture] = deque()
+        self._latest: SkeletonFrame | None = None
         self._ticks = 0
         self._report_due = False
         self._t_first_s = math.nan
@@ -110,6 +111,11 @@ class Client:
     def next_output_s(self) -> float:
         """Session time at which the next frame will have been processed; infinite when none is under way."""
         return self._pending[0].t_s + self._latency_s if self._pending else math.inf
+
+    @property
+    def latest(self) -> SkeletonFrame | None:
+        """The last frame that was processed, or None before the first; idle, a client processes few."""
+        return self._latest
 
     def watches(self, t_s: float) -> bool:
         """Whether it is told to watch and alive."""
@@ -176,11 +182,11 @@ class Client:
     def _process(self, capture: _Capture, ready_s: float) -> list[DeviceEvent | ClientStatus]:
         t_device_s = self._clock.reading(ready_s)
         messages: list[DeviceEvent | ClientStatus] = []
+        t_capture_device_s = self._clock.reading(capture.t_s)
+        frame = self._latest = SkeletonFrame(
+            self.name, t_device_s, t_capture_device_s, capture.t_s - self._t_first_s, capture.skeletons
+        )
         if capture.watched and self.watching:
-            t_capture_device_s = self._clock.reading(capture.t_s)
-            frame = SkeletonFrame(
-                self.name, t_device_s, t_capture_device_s, capture.t_s - self._t_first_s, capture.skeletons
-            )
             messages.extend(self._detectors.update(frame))
         if capture.report:
             messages.append(self._status(t_device_s, capture.skeletons))

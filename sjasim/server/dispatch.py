@@ -51,6 +51,9 @@ HALT_M = 0.20
 STEER, STEER_MAX_RAD = 1.0, 0.45
 """Share of a sideways error that the next move is turned to make good, and by how much at most (assumed)."""
 
+ORDERED = "ordered from outside the score"
+"""Why a command came that no method asked for; the server does not interfere with those."""
+
 SHORTEST_S = 0.5
 """Shortest duration a move is planned for [s]."""
 
@@ -110,6 +113,11 @@ class Dispatcher:
         """The command in force, or None before the first one."""
         return self._current
 
+    @property
+    def state(self) -> RobotState | None:
+        """Where the robot last said it is, or None before it has said anything."""
+        return self._state
+
     def robot(self, t_arrival_s: float, state: RobotState) -> None:
         """Take in where the robot believes it is; a report overtaken by a later one is a sign of life only."""
         self._heard_s = t_arrival_s
@@ -141,6 +149,22 @@ class Dispatcher:
                 self._intend(t_s, item)
         self._pending_s = min((item.t_s for item in self._pending.values()), default=math.inf)
 
+    def order(self, t_s: float, move: Move, speed_m_s: float = 0.0, yaw_rate_rad_s: float = 0.0) -> None:
+        """Put a command in force from outside the score, to be sent with the next `due`.
+
+        Nothing is refused: a move may come again, or against the score. It stands for the nearest step of the dance
+        that it can stand for, as far as speed and heading are concerned, and the score counts that step as sent.
+
+        Args:
+            t_s: session time of the order.
+            move: what to do.
+            speed_m_s: of DRIVE.
+            yaw_rate_rad_s: of DRIVE.
+        """
+        key = self._nearest(t_s, move)
+        self._put_in_force(t_s, key, move, ORDERED, (speed_m_s, yaw_rate_rad_s))
+        self._repeat_s = t_s
+
     def wakes_due(self, t_s: float) -> list[float]:
         """Take out the timers that have come by ``t_s``, earliest first."""
         due: list[float] = []
@@ -160,7 +184,8 @@ class Dispatcher:
                     out.append(self._send(t_s, key, item))
             self._pending_s = min((item.t_s for item in self._pending.values()), default=math.inf)
         if not out and self._repeat_s <= t_s and self._current is not None:
-            self._current = self._paced(self._current)
+            if self._current.why != ORDERED:
+                self._current = self._paced(self._current)
             out.append(self._current)
             self._repeat_s = t_s + self._beat_s
         return out
@@ -191,23 +216,39 @@ class Dispatcher:
         return "a later step has been sent" if key < self._last else ""
 
     def _send(self, t_s: float, key: Key, item: Intention) -> MoveCommand:
-        move = MOVES[self._steps[key[1]].kind]
-        command = MoveCommand(
-            number=1 if self._current is None else self._current.number + 1,
-            move=move,
-            t_start_s=t_s,
-            speed_m_s=self._speed_m_s(key, move),
-            heading_rad=self._heading_rad(key, move),
-            iteration=key[0],
-            ordinal=key[1],
-            why=item.why,
-        )
-        self._current = command
-        self._sent_s[key] = t_s
+        command = self._put_in_force(t_s, key, MOVES[self._steps[key[1]].kind], item.why)
         self._last = key
         self._repeat_s = t_s + self._beat_s
         self._log(t_s, key, "sent", item)
         return command
+
+    def _put_in_force(
+        self, t_s: float, key: Key, move: Move, why: str, velocity: tuple[float, float] = (0.0, 0.0)
+    ) -> MoveCommand:
+        command = MoveCommand(
+            number=1 if self._current is None else self._current.number + 1,
+            move=move,
+            t_start_s=t_s,
+            speed_m_s=velocity[0] if move is Move.DRIVE else self._speed_m_s(key, move),
+            heading_rad=self._heading_rad(key, move),
+            iteration=key[0],
+            ordinal=key[1],
+            why=why,
+            yaw_rate_rad_s=velocity[1],
+        )
+        self._current = command
+        if move is not Move.DRIVE:
+            self._sent_s[key] = t_s
+        return command
+
+    def _nearest(self, t_s: float, move: Move) -> Key:
+        """The step nearest in time whose move this is; for a move that no step has, any step."""
+        own = [step for step in self._brief.steps if MOVES[step.kind] is move] or self._brief.steps
+        starts = self._brief.iteration_start_s
+        return min(
+            ((iteration, step.ordinal) for iteration in range(1, self._brief.iterations + 1) for step in own),
+            key=lambda key: abs(starts[key[0]] + self._steps[key[1]].beat * self._brief.beat_s - t_s),
+        )
 
     def _speed_m_s(self, key: Key, move: Move) -> float:
         """Cruise that ends a forward move at its nominal end and a backward one on the slot.
@@ -224,7 +265,7 @@ class Dispatcher:
         return min(max(speed, low), high, self._robot.max_speed_m_s)
 
     def _heading_rad(self, key: Key, move: Move) -> float:
-        """Heading to take up: of a move, while it stands that of the move to come, and of a turn the next iteration's."""
+        """Heading of a move, or while the robot stands of the move to come; a turn ends at the next iteration's."""
         iteration, ordinal = key
         if move is Move.TURN:
             return float(self._timetable.heading_rad(iteration + 1))

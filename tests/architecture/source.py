@@ -39,6 +39,15 @@ class Module:
 
 
 @cache
+def skin() -> tuple[Module, ...]:
+    """Every module of the environments' package, which lies outside."""
+    paths = sorted((ROOT / "envs" / "sjasim_envs").rglob("*.py"))
+    return tuple(
+        Module(f"sjasim_envs.{path.stem}", path, ast.parse(path.read_text(encoding="utf-8"))) for path in paths
+    )
+
+
+@cache
 def modules() -> tuple[Module, ...]:
     """Every module of the package."""
     found = []

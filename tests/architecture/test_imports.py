@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 
 import pytest
 
-from .source import Import, Module, imports, modules
+from .source import Import, Module, imports, modules, skin
 
 LEVELS = {
     **dict.fromkeys(("types", "logs", "errors"), 0),
@@ -15,7 +16,7 @@ LEVELS = {
     **dict.fromkeys(("config", "config_io"), 2),
     **dict.fromkeys(("choreography", "assets"), 3),
     **dict.fromkeys(("humans", "robot", "sensors", "server", "anticipation", "record"), 4),
-    **dict.fromkeys(("stage", "ledger", "render", "worlds", "analysis"), 5),
+    **dict.fromkeys(("stage", "ledger", "render", "window", "worlds", "analysis"), 5),
     "session": 6,
 }
 """Room -> level; every other top-level module is a command line or a study, at level 7."""
@@ -26,7 +27,8 @@ SAME_LEVEL = {
     ("errors", "types"), ("types", "errors"), ("logs", "types"),
     ("config_io", "config"),
     ("choreography", "assets"),
-    ("render", "stage"), ("ledger", "stage"), ("worlds", "stage"), ("worlds", "ledger"),
+    ("render", "stage"), ("window", "render"), ("window", "stage"),
+    ("ledger", "stage"), ("worlds", "stage"), ("worlds", "ledger"),
 }  # fmt: skip
 """(room, room of the same level that it may import)."""
 
@@ -41,12 +43,13 @@ ONLY = {
 """Room -> room below -> the modules of it that may be imported (None: all)."""
 
 OWNERS = {
-    "mujoco": ("stage", "render", "humans.body", "robot.body", "interop", "profiling"),
+    "mujoco": ("stage", "render", "window", "humans.body", "robot.body", "interop", "profiling"),
     "gymnasium": (),
     "rerun": ("record", "view"),
     "dm_control": ("interop",),
     "mcap": ("record",), "mcap_ros2": ("record",), "rerun_cli": ("record",),
     "imageio_ffmpeg": ("film",), "PIL": ("film",),
+    "dm_env": ("interop",),
     "matplotlib": ("analysis.plots",),
 }  # fmt: skip
 """Library -> the rooms or modules that may import it."""
@@ -91,6 +94,17 @@ def test_libraries_stay_in_their_rooms(module):
         if not any(module.name == owner or module.name.startswith(f"{owner}.") for owner in owners):
             wrong.append(f"{module.where}:{item.line}: {item.target} belongs to {owners or 'envs'}")
     assert not wrong
+
+
+@pytest.mark.parametrize("module", skin(), ids=lambda module: module.name)
+def test_the_environments_stand_on_sjasim_and_gymnasium(module):
+    found = {node.module or "" for node in ast.walk(module.tree) if isinstance(node, ast.ImportFrom) and not node.level}
+    found |= {alias.name for node in ast.walk(module.tree) if isinstance(node, ast.Import) for alias in node.names}
+    rooms = {name.partition(".")[0] for name in found}
+    assert rooms <= {"sjasim", "gymnasium", "numpy", *sys.stdlib_module_names}
+    assert not {name for name in found if name.startswith(("sjasim.run", "sjasim.study", "sjasim.interop"))}
+    if module.path.name == "__init__.py":
+        assert rooms <= {"gymnasium", "__future__"}
 
 
 def test_foundation_stands_on_numpy_alone():

@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from .source import PACKAGE, ROOT, modules
+from .source import PACKAGE, ROOT, modules, skin
 
 FILE_LINES = 400
 FUNCTION_LINES = 50
@@ -31,7 +31,7 @@ def test_files_and_functions_are_short(path):
     assert not {name: length for name, length in lengths.items() if length > FUNCTION_LINES}
 
 
-@pytest.mark.parametrize("module", modules(), ids=lambda module: module.name or "sjasim")
+@pytest.mark.parametrize("module", [*modules(), *skin()], ids=lambda module: module.name or "sjasim")
 def test_public_names_are_documented(module):
     assert ast.get_docstring(module.tree), f"{module.where} has no docstring"
     assert not [f"{module.where}:{line} {name}" for name, line in undocumented(module.tree)]

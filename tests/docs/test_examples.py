@@ -52,3 +52,11 @@ def test_the_readme_names_files_and_figures_that_exist():
         assert (ROOT / path).exists() or path == "docs/overview.png", path
     for block in re.findall(r"```json\n(.*?)```", text, re.S):
         json.loads(block)
+
+
+def test_the_training_example_learns_for_some_seconds(monkeypatch, capsys):
+    code = (ROOT / "docs" / "examples" / "train.py").read_text(encoding="utf-8")
+    assert sum(1 for line in code.splitlines()[3:] if line.strip()) <= 14
+    short = code.replace("iterations=1,", 'iterations=1, dance={"rehearsal": False, "bpm": 200.0},')
+    exec(compile(short.replace("range(3)", "range(1)"), "train.py", "exec"), {})
+    assert "episode 0: return" in capsys.readouterr().out

@@ -13,7 +13,7 @@ BAD = {
     "unknown dance": (["--dance.name", "tango"], "paper"),
     "negative time": (["--dance.tail-s", "-3"], "dance.tail_s"),
     "sensors out of range": (["--room.sensor-distance-m", "6"], "room.sensor_distance_m"),
-    "too many people": (["--group", "4"], "custom"),
+    "too many people": (["--group", "9"], "group"),
     "unknown fault target": (["--config", "{here}/fault.toml"], "dancer_9"),
     "unknown fault": (["--config", "{here}/meteor.toml"], "dead_sensor"),
     "unreadable configuration": (["--config", "{here}/absent.toml"], "absent.toml"),

@@ -1,0 +1,311 @@
+"""The environments: a dance session whose robot does what the agent says. No simulation happens here."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+import gymnasium as gym
+import numpy as np
+from gymnasium import error, spaces
+from numpy.typing import NDArray
+
+from sjasim.anticipation.features import MOVES
+from sjasim.choreography.layout import layout
+from sjasim.choreography.timetable import timetable
+from sjasim.config import SessionConfig
+from sjasim.config_io import from_plain
+from sjasim.errors import SjasimError
+from sjasim.render import Renderer
+from sjasim.session import HUMANS_ONLY, Session
+from sjasim.types import Answer, Brief, Event, Move
+from sjasim.window import Window
+
+from .observation import Observer
+from .reward import RewardConfig, Scorer
+
+AGENT = "agent"
+"""The session's method where the agent alone decides."""
+
+OPTIONS = ("humans", "people", "faults", "method")
+"""What ``reset(options=...)`` may hold."""
+
+
+class Agent:
+    """The method of a session that is driven from outside: it hears everything and answers nothing."""
+
+    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
+        """Nothing to prepare."""
+
+    def on_event(self, event: Event) -> Sequence[Answer]:
+        """No answer."""
+        return ()
+
+    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
+        """No answer."""
+        return ()
+
+    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
+        """No answer."""
+        return ()
+
+    def on_wake(self, t_s: float) -> Sequence[Answer]:
+        """No answer."""
+        return ()
+
+
+class _Dance(gym.Env[Any, Any]):
+    """What all ids share; see docs/environment.md.
+
+    Args:
+        render_mode: ``rgb_array``, ``human`` or None.
+        step_hz: decisions per second.
+        skip_rehearsal: whether an episode begins when the rehearsal's window closes, the robot having stood still.
+        reward: weights, by the names of `reward.RewardConfig`.
+        config: what further options change; the defaults of `SessionConfig` if None.
+        width: of pictures [px].
+        height: of pictures [px].
+        options: fields of `SessionConfig`, rooms as nested mappings. ``method`` names an anticipation method that
+            answers beside the agent; ``seed`` is the first episode's, unless ``reset`` is given one.
+
+    Raises:
+        error.Error: an option that does not exist or is not allowed; the message names it.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 30}  # noqa: RUF012
+
+    def __init__(
+        self,
+        *,
+        render_mode: str | None = None,
+        step_hz: int = 30,
+        skip_rehearsal: bool = False,
+        reward: Mapping[str, float] | None = None,
+        config: SessionConfig | None = None,
+        width: int = 640,
+        height: int = 480,
+        **options: Any,
+    ) -> None:
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise error.UnsupportedMode(f"render_mode = {render_mode!r} is not allowed: human, rgb_array or None")
+        if isinstance(step_hz, bool) or not isinstance(step_hz, int) or not 1 <= step_hz <= 120:
+            raise error.Error(f"step_hz = {step_hz!r} is not allowed: a whole number from 1 to 120")
+        self.config = _configured(config or SessionConfig(method=AGENT), options)
+        self._first_seed = self.config.seed if "seed" in options or config is not None else None
+        self._weights = RewardConfig.of(reward or {})
+        self._skip = skip_rehearsal
+        self._hz = step_hz
+        self.metadata = {**self.metadata, "render_fps": step_hz}
+        self.render_mode = render_mode
+        self._size = width, height
+        self._pictures: Renderer | Window | None = None
+        try:
+            if render_mode == "human":
+                Window.check()
+            steps = timetable(self.config).choreography.steps()
+            mounts = layout(self.config.layout, self.config.group, self.config.room, self.config.sensors).mounts
+        except SjasimError as problem:
+            raise error.Error(str(problem)) from problem
+        self._observer = Observer(self.config, len(steps), tuple(mount.name for mount in mounts))
+        self._session: Session | None = None
+        self._over = False
+        self._closed = False
+        self.observation_space = self._observer.space
+
+    @property
+    def session(self) -> Session:
+        """The dance that is going on, with its log.
+
+        Raises:
+            error.ResetNeeded: there is none yet.
+        """
+        if self._session is None:
+            raise error.ResetNeeded("no dance has begun: call reset() first")
+        return self._session
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Begin a dance.
+
+        Args:
+            seed: the session's seed, as in ``python -m sjasim.run --seed``; without one it is drawn from
+                ``np_random``, so that every episode has other people.
+            options: ``humans`` (preset), ``people`` (seed of the people: the same ones again in a new performance),
+                ``faults`` (list of tables), ``method``; each for this episode only.
+
+        Returns:
+            the first observation, and an info with ``t_s`` and ``seed``.
+        """
+        if self._closed:
+            raise error.ClosedEnvironmentError("reset() of an environment that has been closed")
+        if seed is None and self._np_random is None:
+            seed = self._first_seed
+        super().reset(seed=seed)
+        config = self._episode(seed, options or {})
+        self._drop_pictures()
+        try:
+            self._session = Session(config, Agent() if config.method == AGENT else None)
+        except SjasimError as problem:
+            raise error.Error(str(problem)) from problem
+        self._steps = 0
+        if self._skip:
+            self._steps = math.ceil(self._session.timetable.close_s(0) * self._hz)
+            self._session.advance(self._steps / self._hz)
+        self._over = False
+        self._scorer = Scorer(self._session, self._weights)
+        self._observer.reset(self._session)
+        if self.render_mode == "human":
+            self.render()
+        return self._observed(), {"t_s": self._session.time_s, "seed": config.seed}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Order what the action says, and let the dance go on for one decision's time.
+
+        Raises:
+            error.InvalidAction: the action lies outside the action space.
+            error.ResetNeeded: before `reset`, or after the dance is over.
+        """
+        session = self.session
+        if self._over:
+            raise error.ResetNeeded("step() after the dance was over (terminated or closed): call reset() first")
+        self._act(session, action)
+        self._steps += 1
+        session.advance(min(self._steps / self._hz, session.end_s))
+        done = self._scorer.update()
+        terms = self._scorer.terms
+        self._over = session.time_s >= session.end_s - 1e-9
+        info: dict[str, Any] = {"t_s": session.time_s, **{f"reward_{name}": value for name, value in terms.items()}}
+        info |= done
+        if self.render_mode == "human":
+            self.render()
+        return self._observed(), float(sum(terms.values())), self._over, False, info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """A picture of the stage (``rgb_array``), or the window brought up to date (``human``)."""
+        if self.render_mode is None:
+            gym.logger.warn("render() without a render_mode: gymnasium.make(..., render_mode='rgb_array')")
+            return None
+        stage = self.session.world.stage
+        try:
+            if self._pictures is None:
+                self._pictures = (
+                    Window(stage) if self.render_mode == "human" else Renderer(stage, *self._size, fine=False)
+                )
+        except SjasimError as problem:
+            raise error.DependencyNotInstalled(str(problem)) from problem
+        return self._pictures.frame()
+
+    def close(self) -> None:
+        """Let go of windows and pictures; twice does no harm."""
+        self._drop_pictures()
+        self._over = self._closed = True
+
+    def _drop_pictures(self) -> None:
+        if self._pictures is not None:
+            self._pictures.close()
+            self._pictures = None
+
+    def _episode(self, seed: int | None, options: Mapping[str, Any]) -> SessionConfig:
+        unknown = [name for name in options if name not in OPTIONS]
+        if unknown:
+            raise error.Error(f"reset(options=...): no option {unknown[0]!r}; known are {', '.join(OPTIONS)}")
+        drawn = int(self.np_random.integers(2**31))
+        changes: dict[str, Any] = {"seed": drawn if seed is None else seed}
+        if "people" in options:
+            changes = {"seed": options["people"], "performance": f"take {changes['seed']}"}
+        changes |= {name: options[name] for name in OPTIONS if name in options and name != "people"}
+        return _configured(self.config, changes)
+
+    def _observed(self) -> Any:
+        return self._observer.named()
+
+    def _act(self, session: Session, action: Any) -> None:
+        raise NotImplementedError
+
+
+class DanceEnv(_Dance):
+    """``sjasim/Dance-v0``: stop, forward, backward or turn; a dictionary of what the server knows.
+
+    An action equal to the move in force changes nothing, so that holding an action lets the robot finish it.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.action_space = spaces.Discrete(len(MOVES))
+
+    def _act(self, session: Session, action: Any) -> None:
+        if not self.action_space.contains(action):
+            known = ", ".join(f"{index} {move.value}" for index, move in enumerate(MOVES))
+            raise error.InvalidAction(f"action = {action!r} is not allowed: one of {known}")
+        current = session.dispatcher.current
+        wanted = MOVES[int(action)]
+        if wanted is not (Move.STOP if current is None else current.move):
+            session.dispatcher.order(session.time_s, wanted)
+
+
+class DanceFlatEnv(DanceEnv):
+    """``sjasim/DanceFlat-v0``: the same, its observation one row, as `gymnasium.wrappers.FlattenObservation` has it."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.observation_space = self._observer.flat_space
+
+    def _observed(self) -> Any:
+        return self._observer.flat()
+
+
+class DanceContinuousEnv(_Dance):
+    """``sjasim/DanceContinuous-v0``: speed and yaw rate, within the base's own limits; the same observation.
+
+    The base ramps towards them after its dead time, as under a velocity topic.
+    """
+
+    names: ClassVar[tuple[str, str]] = ("v", "omega")
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        robot = self.config.robot
+        self._limits = np.array([robot.max_speed_m_s, robot.max_yaw_rate_rad_s], dtype=np.float32)
+        self.action_space = spaces.Box(-self._limits, self._limits, dtype=np.float32)
+
+    def _act(self, session: Session, action: Any) -> None:
+        try:
+            wanted = np.asarray(action, dtype=np.float32)
+        except (TypeError, ValueError):
+            wanted = np.zeros(0, dtype=np.float32)
+        if wanted.shape != (2,):
+            raise error.InvalidAction(f"action = {action!r} is not allowed: two numbers, v [m/s] and omega [rad/s]")
+        for name, value, limit in zip(self.names, wanted.tolist(), self._limits.tolist(), strict=True):
+            if not -limit <= value <= limit:
+                raise error.InvalidAction(f"{name} = {value:g} is not allowed: from {-limit:.4g} to {limit:.4g}")
+        speed, yaw = wanted.tolist()
+        current = session.dispatcher.current
+        driven = current is not None and current.move is Move.DRIVE
+        before = (current.speed_m_s, current.yaw_rate_rad_s) if driven and current is not None else (0.0, 0.0)
+        if (speed, yaw) != before:
+            session.dispatcher.order(session.time_s, Move.DRIVE, speed, yaw)
+
+
+def _configured(base: SessionConfig, changes: Mapping[str, Any]) -> SessionConfig:
+    """The configuration with some fields replaced.
+
+    Raises:
+        error.Error: a field that does not exist or is not allowed.
+    """
+    try:
+        config = from_plain({key: _plain(value) for key, value in changes.items()}, base)
+    except SjasimError as problem:
+        raise error.Error(str(problem)) from problem
+    if config.method == HUMANS_ONLY:
+        raise error.Error("method = 'none' is not allowed: without a robot there is nothing to act with")
+    return config
+
+
+def _plain(value: Any) -> Any:
+    """A room's configuration as a table, a numpy number as a number."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return dataclasses.asdict(value)
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value.item() if isinstance(value, np.generic) else value

@@ -1,0 +1,224 @@
+"""The reward: how well each of the robot's events fell together with the dancers', and what it did besides."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from gymnasium import error
+
+from sjasim.analysis.group import together
+from sjasim.anticipation.appropriateness import ideal_times
+from sjasim.anticipation.history import nominal_times
+from sjasim.logs import AgentEvent
+from sjasim.session import Session
+from sjasim.types import Array, Event, Kind
+
+TERMS = ("timing", "missed", "spurious", "collision", "drift")
+
+SETTLED_S = 0.5
+"""How long after a window's end an iteration is settled: by then every event of it has arrived."""
+
+TOUCH_S = 0.1
+"""How often it is looked whether robot and dancers touch; each look stands for the time since the last."""
+
+
+@dataclass(frozen=True, slots=True)
+class RewardConfig:
+    """Weights of the reward.
+
+    Attributes:
+        timing: of an event exactly at the dancers' mean; it falls by as much for every second beside it.
+        worst_s: error beyond which an event is not worth less.
+        missed: cost of a step that the robot did not dance.
+        spurious: cost of an event that belongs to no step, or to one that is done.
+        collision: cost of every second in touch with a dancer.
+        drift: cost of every second and metre outside its lane.
+        lane_m: half the width of the lane, which is the way of a move ahead of the robot's slot.
+    """
+
+    timing: float = 1.0
+    worst_s: float = 2.0
+    missed: float = 1.0
+    spurious: float = 0.5
+    collision: float = 1.0
+    drift: float = 0.2
+    lane_m: float = 0.15
+
+    @classmethod
+    def of(cls, given: Mapping[str, float]) -> RewardConfig:
+        """Weights from plain numbers.
+
+        Raises:
+            error.Error: a weight that does not exist, or one that is not a number from 0 to 1000.
+        """
+        known = [item.name for item in dataclasses.fields(cls)]
+        for name, value in given.items():
+            if name not in known:
+                raise error.Error(f"reward.{name}: no such weight; known are {', '.join(known)}")
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            if not number or not 0.0 <= value <= 1000.0:
+                raise error.Error(f"reward.{name} = {value!r} is not allowed: a number from 0 to 1000")
+        return cls(**given)
+
+
+@dataclass(slots=True)
+class Scorer:
+    """Adds up the terms of one session, step by step.
+
+    A step's timing is paid once the robot and all dancers have done it, else when its iteration is settled: the
+    distance from the mean of the dancers' logged times, as timing appropriateness has it. The first robot event that
+    is nearest to a step counts for it; every further one is spurious, and so is every one in the rehearsal.
+
+    Attributes:
+        session: what is judged.
+        config: the weights.
+        terms: what the last step earned, by term.
+    """
+
+    session: Session
+    config: RewardConfig
+    terms: dict[str, float] = field(default_factory=lambda: dict.fromkeys(TERMS, 0.0))
+    _told: int = 0
+    _danced: int = 0
+    _iteration: int = 1
+    _t_s: float = 0.0
+    _touched_s: float = 0.0
+    _expected: Array = field(init=False)
+    _dancers: Array = field(init=False)
+    _robot: Array = field(init=False)
+    _paid: Array = field(init=False)
+    _ordinals: dict[Kind, list[int]] = field(init=False)
+
+    def __post_init__(self) -> None:
+        brief = self.session.brief
+        self._expected = nominal_times(brief)
+        count = brief.iterations + 1, len(brief.steps)
+        self._dancers = np.full((count[0], len(brief.cast), count[1]), np.nan)
+        self._robot = np.full(count, np.nan)
+        self._paid = np.zeros(count, dtype=bool)
+        self._ordinals = {}
+        for step in brief.steps:
+            self._ordinals.setdefault(step.kind, []).append(step.ordinal)
+        self._t_s = self._touched_s = self.session.time_s
+
+    def update(self) -> dict[str, object]:
+        """Judge everything since the last time; `terms` holds what it earned.
+
+        Returns:
+            the figures of an iteration that has been settled meanwhile, else nothing.
+        """
+        session = self.session
+        self.terms = dict.fromkeys(TERMS, 0.0)
+        for event in session.events[self._told :]:
+            self._hear(event)
+        self._told = len(session.events)
+        danced = session.world.robot_events
+        for own in danced[self._danced :]:
+            self._see(own)
+        self._danced = len(danced)
+        now = session.time_s
+        self._judge_place(now, now - self._t_s)
+        self._t_s = now
+        brief = session.brief
+        if self._iteration <= brief.iterations and now >= brief.window_end_s[self._iteration] + SETTLED_S:
+            self._iteration += 1
+            return self._settle(self._iteration - 1)
+        return {}
+
+    def _step(self, kind: Kind, after_s: float) -> int | None:
+        """The step of this kind that is expected nearest to a time after beat 0."""
+        ordinals = self._ordinals.get(Kind.CLAP if kind is Kind.TURN else kind)
+        return min(ordinals, key=lambda k: abs(self._expected[k] - after_s)) if ordinals else None
+
+    def _hear(self, event: Event) -> None:
+        brief = self.session.brief
+        if event.early or event.person not in brief.cast or not 1 <= event.iteration <= brief.iterations:
+            return
+        after = event.t_s - brief.iteration_start_s[event.iteration]
+        step = self._step(event.kind, after)
+        if step is None:
+            return
+        place = event.iteration, brief.cast.index(event.person), step
+        expected = self._expected[step]
+        if not abs(self._dancers[place] - expected) <= abs(after - expected):
+            self._dancers[place] = after
+        self._pay_if_known(event.iteration, step)
+
+    def _see(self, own: AgentEvent) -> None:
+        brief = self.session.brief
+        step = None
+        if 1 <= own.iteration <= brief.iterations:
+            after = own.t_s - brief.iteration_start_s[own.iteration]
+            step = self._step(own.kind, after)
+        if step is None or self._paid[own.iteration, step] or np.isfinite(self._robot[own.iteration, step]):
+            self.terms["spurious"] -= self.config.spurious
+            return
+        self._robot[own.iteration, step] = after
+        self._pay_if_known(own.iteration, step)
+
+    def _pay_if_known(self, iteration: int, step: int) -> None:
+        known = np.isfinite(self._robot[iteration, step]) and np.isfinite(self._dancers[iteration, :, step]).all()
+        if known and not self._paid[iteration, step]:
+            self._pay(iteration, step)
+
+    def _pay(self, iteration: int, step: int) -> None:
+        self._paid[iteration, step] = True
+        ideal = float(ideal_times(self._dancers[iteration, :, step : step + 1])[0])
+        off = abs(float(self._robot[iteration, step]) - ideal)
+        if math.isfinite(off):
+            self.terms["timing"] += self.config.timing * (1.0 - min(off, self.config.worst_s))
+
+    def _settle(self, iteration: int) -> dict[str, object]:
+        for step in np.flatnonzero(~self._paid[iteration]).tolist():
+            if np.isfinite(self._robot[iteration, step]):
+                self._pay(iteration, step)
+            else:
+                self._paid[iteration, step] = True
+                self.terms["missed"] -= self.config.missed
+        return figures(self.session, iteration)
+
+    def _judge_place(self, now: float, interval_s: float) -> None:
+        session, config = self.session, self.config
+        if now >= self._touched_s + TOUCH_S - 1e-9:
+            if session.world.stage.bumped():
+                self.terms["collision"] -= config.collision * (now - self._touched_s)
+            self._touched_s = now
+        x, y, _ = session.world.stage.robot_pose()
+        x, y = x - session.layout.robot[0], y - session.layout.robot[1]
+        heading = session.timetable.heading_rad(max(session.timetable.iteration_at(now), 1))
+        cos, sin = math.cos(heading), math.sin(heading)
+        ahead, aside = x * cos + y * sin, y * cos - x * sin
+        beyond = ahead - min(max(ahead, 0.0), session.config.room.move_m)
+        outside = math.hypot(beyond, aside) - config.lane_m
+        if outside > 0.0:
+            self.terms["drift"] -= config.drift * outside * interval_s
+
+
+def figures(session: Session, iteration: int) -> dict[str, object]:
+    """What ``info`` holds of an iteration that is over; the same figures that session.json has.
+
+    Args:
+        session: the dance so far.
+        iteration: which, from 1.
+    """
+    logged = [
+        AgentEvent(event.iteration, event.person, event.kind, event.t_s)
+        for event in session.events
+        if not event.early and event.iteration <= iteration
+    ]
+    rows = together([*logged, *session.world.robot_events], session.config, session.timetable)
+    row = rows[iteration - 1]
+    robot, dancers = row.steps_s[-1], row.steps_s[:-1]
+    finite = row.ta_s[np.isfinite(row.ta_s)]
+    return {
+        "iteration_done": iteration,
+        "gsi": row.gsi,
+        "gsi_full_edges": row.gsi_full_edges,
+        "ta_mean_s": float(finite.mean()) if len(finite) else math.nan,
+        "event_errors_s": robot - ideal_times(dancers),
+        "robot_missed": int(np.isnan(robot).sum()),
+    }

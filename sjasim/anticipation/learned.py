@@ -1,0 +1,157 @@
+"""A policy that was trained in the Gymnasium environment, as a method: two matrix products and a maximum."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import ConfigError
+from ..registry import register
+from ..types import Answer, Array, Brief, Event, Intention, Kind, Move, Wake
+from .features import MOVES, Features
+
+_MOVE = {
+    Kind.START_FORWARD: Move.FORWARD,
+    Kind.STOP_FORWARD: Move.STOP,
+    Kind.START_BACKWARD: Move.BACKWARD,
+    Kind.STOP_BACKWARD: Move.STOP,
+    Kind.CLAP: Move.TURN,
+    Kind.TURN: Move.TURN,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class LearnedConfig:
+    """Options of a learned method.
+
+    Attributes:
+        policy: npz file that ``scripts/train_policy.py`` wrote.
+    """
+
+    policy: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.policy:
+            raise ConfigError("learned.policy", self.policy, "the npz file of a trained policy")
+
+
+@dataclass(frozen=True, slots=True)
+class Network:
+    """A fully connected network with tanh between its layers.
+
+    Attributes:
+        mean: (N,) of the features in training.
+        std: (N,) their standard deviations.
+        clip: bound of the normalised features.
+        layers: weights (out, in) and biases (out,), first to last.
+        step_hz: decisions per second in training.
+    """
+
+    mean: Array
+    std: Array
+    clip: float
+    layers: tuple[tuple[Array, Array], ...]
+    step_hz: int
+
+    @classmethod
+    def read(cls, path: str | Path) -> Network:
+        """Read an npz file with ``mean``, ``std``, ``clip``, ``step_hz`` and ``w0``, ``b0``, ``w1``, ...
+
+        Raises:
+            ConfigError: the file cannot be read, or its arrays do not fit together.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                arrays = {name: np.asarray(stored[name], dtype=np.float64) for name in stored.files}
+            count = sum(name.startswith("w") for name in arrays)
+            layers = tuple((arrays[f"w{k}"], arrays[f"b{k}"]) for k in range(count))
+            network = cls(arrays["mean"], arrays["std"], float(arrays["clip"]), layers, int(arrays["step_hz"].item()))
+            scores = network.scores(network.mean)
+        except (OSError, KeyError, ValueError) as problem:
+            raise ConfigError("learned.policy", str(path), f"the npz file of a trained policy ({problem})") from problem
+        if scores.shape != (len(MOVES),) or not np.isfinite(scores).all() or not 1 <= network.step_hz <= 120:
+            raise ConfigError("learned.policy", str(path), f"a policy with {len(MOVES)} finite scores")
+        return network
+
+    def scores(self, features: Array) -> Array:
+        """(4,) how much each of `features.MOVES` is wanted."""
+        x = np.clip((features - self.mean) / self.std, -self.clip, self.clip)
+        for weights, bias in self.layers[:-1]:
+            x = np.tanh(weights @ x + bias)
+        weights, bias = self.layers[-1]
+        return np.asarray(weights @ x + bias)
+
+
+@register("anticipation", "learned", config=LearnedConfig)
+class Learned:
+    """Asks a trained policy some times a second which move it wants, and sends the step that is nearest to it.
+
+    The environment lets a policy do anything at any time; the score does not: a step is sent once, and none that lies
+    behind it. In the rehearsal it stands still.
+
+    Args:
+        config: its options.
+
+    Raises:
+        ConfigError: there is no usable policy in the file.
+    """
+
+    def __init__(self, config: LearnedConfig) -> None:
+        self._network = Network.read(config.policy)
+
+    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
+        """Begin a dance.
+
+        Raises:
+            ConfigError: the policy was trained with other people or another dance.
+        """
+        self._brief = brief
+        self._features = Features(brief)
+        self._move, self._sent_s = 0, -math.inf
+        self._last = (0, -1)
+        self._begun = False
+        width = len(self._features.row(0.0, 0, 0.0))
+        if width != len(self._network.mean):
+            raise ConfigError("learned.policy", len(self._network.mean), f"a policy of {width} features")
+
+    def on_event(self, event: Event) -> Sequence[Answer]:
+        """Remember."""
+        self._features.add(event)
+        return ()
+
+    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
+        """Begin to ask."""
+        if self._begun:
+            return ()
+        self._begun = True
+        return (Wake(t_s),)
+
+    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
+        """Nothing to learn any more."""
+        return ()
+
+    def on_wake(self, t_s: float) -> Sequence[Answer]:
+        """Ask, and ask again after one decision's time."""
+        if t_s > self._brief.window_end_s[-1]:
+            return ()
+        again = Wake(t_s + 1.0 / self._network.step_hz)
+        iteration = self._features.iteration(t_s)
+        scores = self._network.scores(self._features.row(t_s, self._move, self._sent_s).astype(np.float64))
+        wanted = int(np.argmax(scores))
+        key = self._step(iteration, MOVES[wanted], t_s)
+        if iteration == 0 or wanted == self._move or key <= self._last:
+            return (again,)
+        self._move, self._sent_s, self._last = wanted, t_s, key
+        return Intention(*key, t_s, f"the policy wants {MOVES[wanted].value}"), again
+
+    def _step(self, iteration: int, move: Move, t_s: float) -> tuple[int, int]:
+        """The iteration's step of this move that is nearest in time."""
+        beat = (t_s - self._brief.iteration_start_s[iteration]) / self._brief.beat_s
+        own = [step for step in self._brief.steps if _MOVE[step.kind] is move]
+        if not own:
+            return -1, -1
+        return iteration, min(own, key=lambda step: abs(step.beat - beat)).ordinal

@@ -1,0 +1,1 @@
+"""Bridges to other simulation packages; nothing else in sjasim needs them."""

@@ -1,0 +1,147 @@
+"""A learned policy as a method: its file, its features, its answers."""
+
+import heapq
+import itertools
+
+import numpy as np
+import pytest
+
+from sjasim.anticipation.features import MOVES, Features
+from sjasim.anticipation.learned import Network
+from sjasim.anticipation.method import build
+from sjasim.errors import ConfigError
+from sjasim.types import Event, Intention, Kind, Wake, Withdrawal
+
+from ..contracts.test_anticipation import STEPS, brief
+
+WIDTH = len(Features(brief()).row(0.0, 0, 0.0))
+
+
+def write(path, **changes):
+    """A policy that wants what the dance has at each beat: its scores are made of the two bars' phases."""
+    rng = np.random.default_rng(0)
+    arrays = {
+        "mean": np.zeros(WIDTH), "std": np.ones(WIDTH), "clip": 10.0, "step_hz": 10,
+        "w0": 0.3 * rng.standard_normal((16, WIDTH)), "b0": np.zeros(16),
+        "w1": rng.standard_normal((4, 16)), "b1": np.zeros(4),
+    }  # fmt: skip
+    np.savez(path, **{key: value for key, value in {**arrays, **changes}.items() if value is not None})
+    return str(path)
+
+
+@pytest.fixture
+def policy(tmp_path):
+    return write(tmp_path / "policy.npz")
+
+
+def dance(method, plan):
+    """A clean dance with timers: (time, answer) in order."""
+    told = [(plan.iteration_start_s[i], 0, method.on_iteration_start, (i, plan.iteration_start_s[i])) for i in range(5)]
+    told += [(plan.window_end_s[i], 1, method.on_iteration_end, (i, plan.window_end_s[i])) for i in range(5)]
+    for i, step, person in itertools.product(range(5), STEPS, plan.cast):
+        t_s = plan.iteration_start_s[i] + step.beat * plan.beat_s
+        told.append((t_s + 0.02, 2, method.on_event, (Event(person, step.kind, t_s, t_s + 0.02, False, i, "north"),)))
+    agenda = [(t_s, rank, number, hook, given) for number, (t_s, rank, hook, given) in enumerate(told)]
+    heapq.heapify(agenda)
+    out = []
+    while agenda:
+        t_s, _, _, hook, given = heapq.heappop(agenda)
+        for answer in hook(*given):
+            out.append((t_s, answer))
+            if isinstance(answer, Wake):
+                heapq.heappush(agenda, (answer.t_s, 3, len(told) + len(out), method.on_wake, (answer.t_s,)))
+    return out
+
+
+def start(policy, plan):
+    method = build("learned", {"policy": policy})
+    method.reset(plan, np.random.default_rng(0))
+    return method
+
+
+def test_it_keeps_the_contract(policy):
+    plan = brief()
+    answers = dance(start(policy, plan), plan)
+    own = [answer for _, answer in answers if isinstance(answer, Intention)]
+    assert own
+    assert not any(isinstance(answer, Withdrawal) for _, answer in answers)
+    keys = [(answer.iteration, answer.ordinal) for answer in own]
+    assert keys == sorted(set(keys))
+    assert all(1 <= iteration <= 4 and 0 <= ordinal < len(STEPS) for iteration, ordinal in keys)
+    method = start(policy, plan)
+    assert dance(method, plan) == answers
+    method.reset(plan, np.random.default_rng(0))
+    assert dance(method, plan) == answers
+
+
+def test_it_asks_at_the_rate_it_was_trained_with(policy):
+    plan = brief()
+    wakes = sorted({answer.t_s for _, answer in dance(start(policy, plan), plan) if isinstance(answer, Wake)})
+    assert np.diff(wakes) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [({"w1": None}, "b1|w1|fit|scores"), ({"mean": np.zeros(3)}, "operands|shape|policy"), ({"step_hz": 0}, "policy"),
+     ({"b1": np.full(4, np.nan)}, "finite"), ({"w1": np.zeros((5, 16)), "b1": np.zeros(5)}, "4 finite scores")],
+)  # fmt: skip
+def test_a_wrong_file_is_refused(tmp_path, changes, says):
+    with pytest.raises(ConfigError, match=says):
+        build("learned", {"policy": write(tmp_path / "wrong.npz", **changes)})
+
+
+def test_no_file_is_refused(tmp_path):
+    with pytest.raises(ConfigError, match="trained policy"):
+        build("learned")
+    with pytest.raises(ConfigError, match=r"missing\.npz"):
+        build("learned", {"policy": str(tmp_path / "missing.npz")})
+
+
+def test_a_policy_of_other_people_is_refused(policy):
+    with pytest.raises(ConfigError, match="features"):
+        start(policy, brief(("dancer_1", "dancer_2")))
+
+
+def test_the_network_is_the_textbooks(tmp_path):
+    network = Network.read(write(tmp_path / "policy.npz", clip=0.5))
+    x = np.linspace(-1, 1, WIDTH)
+    (w0, b0), (w1, b1) = network.layers
+    assert network.scores(x) == pytest.approx(w1 @ np.tanh(w0 @ np.clip(x, -0.5, 0.5) + b0) + b1)
+
+
+class TestFeatures:
+    def test_events_age_and_are_forgotten(self):
+        features = Features(plan := brief())
+        t_s = plan.iteration_start_s[1]
+        features.add(Event("dancer_2", Kind.CLAP, t_s, t_s + 0.02, False, 1, "north"))
+        features.add(Event("dancer_2", Kind.STOP_FORWARD, t_s + 1, t_s + 1.02, True, 1, "north"))
+        features.add(Event("somebody", Kind.CLAP, t_s + 1, t_s + 1, False, 1, "north"))
+        ages = features.event_age(t_s + 3.0)
+        assert ages[1, 4, 0] == pytest.approx(3.0)
+        assert ages[1, 1, 1] == pytest.approx(2.0)
+        assert (ages == 10.0).sum() == ages.size - 2
+        assert (features.event_age(t_s + 30.0) == 10.0).all()
+
+    def test_the_last_iteration_is_told_against_the_music(self):
+        features = Features(plan := brief())
+        for step in STEPS:
+            t_s = plan.iteration_start_s[1] + step.beat * plan.beat_s + 0.25
+            features.add(Event("dancer_3", step.kind, t_s, t_s, False, 1, "north"))
+        assert not features.last_iteration(plan.iteration_start_s[1]).any()
+        late = features.last_iteration(plan.iteration_start_s[2])
+        assert late[2] == pytest.approx(0.25, abs=1e-6)
+        assert not late[:2].any()
+
+    def test_the_beat_runs_through_the_iteration(self):
+        features = Features(plan := brief())
+        beat = features.beat(plan.iteration_start_s[2] + 10 * plan.beat_s)
+        assert beat[0] == pytest.approx(0.25)
+        assert beat[1:5] == pytest.approx([1, -1, 0, 0], abs=1e-9)
+        assert features.iteration(plan.window_end_s[2]) == 2
+        assert features.iteration(plan.window_end_s[2] + 0.01) == 3
+        assert features.iteration(1e6) == 4
+
+    def test_the_move_in_force_is_one_of_four(self):
+        features = Features(brief())
+        row = features.row(5.0, MOVES.index("turn"), 3.0)
+        assert row[9:14].tolist() == [0.0, 0.0, 0.0, 1.0, 2.0]

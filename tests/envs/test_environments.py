@@ -1,0 +1,260 @@
+"""Every id keeps Gymnasium's contract, and any method danced through one leaves the log that it leaves elsewhere."""
+
+from __future__ import annotations
+
+import dataclasses
+import multiprocessing
+import subprocess
+import sys
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium import error
+from gymnasium.utils.env_checker import check_env
+from gymnasium.wrappers import FlattenObservation
+from sjasim_envs import ENVIRONMENTS
+from sjasim_envs.wrappers import Told
+
+import sjasim
+from sjasim import registry
+from sjasim.analysis.measures import measures
+from sjasim.anticipation.features import MOVES, Features
+
+from .dancers import FAST, dance, leave_be
+
+IDS = sorted(ENVIRONMENTS)
+ROWS = ("device_events", "events", "commands", "decisions", "robot_events", "notices", "cues")
+
+
+def make(name="sjasim/Dance-v0", **options):
+    return gym.make(name, disable_env_checker=True, **{**FAST, **options})
+
+
+@pytest.mark.parametrize("name", IDS)
+@pytest.mark.filterwarnings("ignore:.*symmetric and normalized:UserWarning")
+def test_every_id_passes_gymnasiums_own_check(name):
+    env = gym.make(name, **FAST)
+    check_env(env.unwrapped, skip_render_check=True)
+    env.close()
+    env.close()
+
+
+def test_importing_sjasim_registers_the_ids_and_loads_nothing_heavy():
+    probe = (
+        "import sys, sjasim, gymnasium; print(all(i in gymnasium.registry for i in "
+        f"{IDS!r}), [m for m in ('mujoco', 'sjasim_envs.dance', 'sjasim.session') if m in sys.modules])"
+    )
+    answer = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
+    assert answer.stdout.strip() == "True []"
+
+
+def test_the_flat_observation_is_the_named_one_flattened():
+    flat, named = make("sjasim/DanceFlat-v0"), FlattenObservation(make())
+    assert flat.observation_space == named.observation_space
+    first, second = flat.reset(seed=3)[0], named.reset(seed=3)[0]
+    for action in (0, 1, 1, 0, 3):
+        assert np.array_equal(first, second)
+        first, second = flat.step(action)[0], named.step(action)[0]
+
+
+def test_told_is_what_a_method_is_told():
+    env = Told(make(method="eca"))
+    row = env.reset(seed=3)[0]
+    session, features = env.unwrapped.session, Features(env.unwrapped.session.brief)
+    session.advance(9.0)
+    env.unwrapped._steps = 270
+    row = env.step(1)[0]
+    for event in session.events:
+        features.add(event)
+    current = session.dispatcher.current
+    assert len(session.events) > 2
+    assert np.array_equal(row, features.row(session.time_s, MOVES.index(current.move), current.t_start_s))
+    assert row in env.observation_space
+    with pytest.raises(error.Error, match="last_iteration"):
+        Told(make("sjasim/DanceFlat-v0"))
+
+
+def test_stable_baselines_can_learn():
+    algorithms = pytest.importorskip("stable_baselines3", reason="the extra rl is not installed")
+    env = Told(make(step_hz=5))
+    model = algorithms.PPO("MlpPolicy", env, n_steps=32, batch_size=32, n_epochs=1, device="cpu").learn(32)
+    assert env.action_space.contains(int(model.predict(env.reset(seed=0)[0])[0]))
+
+
+class TestLogs:
+    @pytest.mark.parametrize("method", ["sia"])
+    def test_a_method_through_the_environment_leaves_the_same_log(self, method):
+        options = {"effective_from": 1}
+        log = sjasim.run_session(sjasim.SessionConfig(method=method, seed=4, iterations=1, method_options=options))
+        env = make(method=method, dance={"rehearsal": True}, method_options=options)
+        total, rows = dance(env, leave_be, seed=4)
+        own = env.unwrapped.session.log()
+        assert own.config == log.config
+        for table in ROWS:
+            assert getattr(own, table) == getattr(log, table), table
+        assert all(np.array_equal(own.odometry[key], column) for key, column in log.odometry.items())
+        figures = measures(log)
+        assert [row["gsi"] for row in rows] == [figures.gsi]
+        assert [row["gsi_full_edges"] for row in rows] == [figures.gsi_full_edges]
+        assert rows[0]["ta_mean_s"] == pytest.approx(figures.ta_mean_s, abs=1e-12)
+        assert np.abs(rows[0]["event_errors_s"])[~np.isnan(rows[0]["event_errors_s"])] == pytest.approx(figures.ta_s)
+        assert total > 0.0
+
+    def test_every_registered_method_can_dance(self):
+        for method in registry.names("anticipation"):
+            if method != "learned":
+                env = make()
+                env.reset(seed=0, options={"method": method})
+                assert env.unwrapped.session.config.method == method
+                env.step(0)
+
+
+class TestSeeds:
+    def test_the_same_seed_gives_the_same_trajectory(self):
+        def trajectory():
+            env = make()
+            env.action_space.seed(1)
+            rows = [env.reset(seed=5)[0]]
+            rows += [env.step(env.action_space.sample())[0] for _ in range(40)]
+            return np.array([np.concatenate([part.ravel() for part in row.values()]) for row in rows])
+
+        assert np.array_equal(trajectory(), trajectory())
+
+    def test_people_and_action_space_have_seeds_of_their_own(self):
+        def people(action_seed, **reset):
+            env = make()
+            env.action_space.seed(action_seed)
+            env.reset(**reset)
+            return env.unwrapped.session.config
+
+        assert people(1, seed=7) == people(2, seed=7)
+        again = [people(1, seed=seed, options={"people": 3}) for seed in (8, 9)]
+        assert {config.seed for config in again} == {3}
+        assert len({config.performance for config in again}) == 2
+        one, other = (gym.make("sjasim/Dance-v0").action_space for _ in range(2))
+        one.seed(1)
+        other.seed(1)
+        assert [one.sample() for _ in range(9)] == [other.sample() for _ in range(9)]
+
+    def test_episodes_after_a_seed_are_drawn_from_it(self):
+        env = make()
+        drawn = [[env.reset(seed=1)[1]["seed"], *(env.reset()[1]["seed"] for _ in range(2))] for _ in range(2)]
+        assert drawn[0] == drawn[1]
+        assert len(set(drawn[0])) == 3
+        assert make(seed=12).reset()[1]["seed"] == 12
+
+    def test_options_of_reset_hold_for_one_episode(self):
+        env = make()
+        fault = {"kind": "dancer_late", "target": "dancer_2", "value": 0.5}
+        env.reset(seed=1, options={"humans": "one-late", "faults": [fault]})
+        config = env.unwrapped.session.config
+        assert config.humans == "one-late"
+        assert config.faults[0].value == 0.5
+        env.reset(seed=1)
+        assert env.unwrapped.session.config == dataclasses.replace(env.unwrapped.config, seed=1)
+
+
+class TestBadInput:
+    @pytest.mark.parametrize("action", [4, -1, 0.5, np.nan, "forward", None, [1], np.array([1, 2])])
+    def test_discrete_actions(self, action):
+        env = make()
+        env.reset(seed=0)
+        with pytest.raises(error.InvalidAction, match="1 forward"):
+            env.step(action)
+
+    @pytest.mark.parametrize(
+        ("action", "named"),
+        [([0.7, 0], "v = 0.7"), ([0, -4], "omega = -4"), ([np.nan, 0], "v = nan"), ([0], "v .m/s. and omega"),
+         ("go", "v .m/s. and omega"), (None, "v .m/s. and omega"), ([0, np.inf], "omega = inf")],
+    )  # fmt: skip
+    def test_continuous_actions(self, action, named):
+        env = make("sjasim/DanceContinuous-v0")
+        env.reset(seed=0)
+        with pytest.raises(error.InvalidAction, match=named):
+            env.step(action)
+
+    @pytest.mark.parametrize(
+        ("options", "named"),
+        [({"iteratoins": 2}, "did you mean 'iterations'"), ({"iterations": 0}, "iterations"),
+         ({"sensors": {"rate": 3}}, "sensors.rate"), ({"method": "none"}, "humans|robot"), ({"step_hz": 0}, "step_hz"),
+         ({"reward": {"timming": 1.0}}, "reward.timming"), ({"reward": {"drift": np.nan}}, "reward.drift"),
+         ({"layout": "rows", "group": 9}, "group")],
+    )  # fmt: skip
+    def test_options_of_make(self, options, named):
+        with pytest.raises(error.Error, match=named):
+            gym.make("sjasim/Dance-v0", **options)
+
+    @pytest.mark.parametrize(
+        ("options", "named"),
+        [({"poeple": 3}, "poeple"), ({"people": "all"}, "seed"), ({"humans": "nobody"}, "nobody"),
+         ({"faults": [{"kind": "rain", "target": "robot"}]}, "rain"), ({"method": "tarantella"}, "tarantella")],
+    )  # fmt: skip
+    def test_options_of_reset(self, options, named):
+        with pytest.raises(error.Error, match=named):
+            make().reset(options=options)
+
+    def test_order_of_calls(self):
+        env = make(dance={"rehearsal": False, "bpm": 180.0, "lead_in_s": 1.0, "tail_s": 0.0}).unwrapped
+        with pytest.raises(error.ResetNeeded, match="reset"):
+            env.step(0)
+        with pytest.raises(error.ResetNeeded, match="reset"):
+            _ = env.session
+        env.reset(seed=0)
+        env.session.advance(env.session.end_s - 0.01)
+        env._steps = int(env.session.end_s * 30)
+        assert env.step(0)[2]
+        with pytest.raises(error.ResetNeeded, match="over"):
+            env.step(0)
+        env.close()
+        with pytest.raises(error.ClosedEnvironmentError):
+            env.reset()
+
+
+@pytest.mark.parametrize("context", ["spawn", "forkserver"])
+def test_environments_run_in_processes_of_their_own(context):
+    if context not in multiprocessing.get_all_start_methods():
+        pytest.skip(f"no {context} here")
+    envs = gym.make_vec(
+        "sjasim/DanceFlat-v0", num_envs=1, vectorization_mode="async", vector_kwargs={"context": context}, **FAST
+    )
+    there = envs.reset(seed=2)[0]
+    there = envs.step(np.array([1]))[0]
+    envs.close()
+    env = make("sjasim/DanceFlat-v0")
+    env.reset(seed=2)
+    assert np.array_equal(there[0], env.step(1)[0])
+
+
+def test_pictures():
+    env = make(render_mode="rgb_array", width=160, height=120)
+    env.reset(seed=0)
+    try:
+        picture = env.render()
+    except error.DependencyNotInstalled as missing:
+        pytest.skip(str(missing))
+    assert picture.shape == (120, 160, 3)
+    assert picture.dtype == np.uint8
+    assert picture.std() > 10
+    env.close()
+
+
+def test_without_opengl_the_package_is_named(monkeypatch):
+    def nowhere(*_):
+        raise AttributeError("no GLContext")
+
+    monkeypatch.setattr("mujoco.Renderer", nowhere)
+    env = make(render_mode="rgb_array")
+    env.reset(seed=0)
+    with pytest.raises(error.DependencyNotInstalled, match="libegl1"):
+        env.render()
+
+
+def test_a_window_without_a_display_is_refused(monkeypatch):
+    monkeypatch.setattr(sys, "platform", "linux")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(error.Error, match="display"):
+        gym.make("sjasim/Dance-v0", render_mode="human")
+    with pytest.raises(error.UnsupportedMode, match="ansi"):
+        make(render_mode="ansi")
