@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assets.names import JOINT_INDEX
+from .choreography.layout import Mount
 from .config import SessionConfig
 from .stage import Stage
-from .types import Array, IntArray, RobotState
+from .types import Array, IntArray, RobotState, Skeletons
 
 TRUTH_COLUMNS = (
     "t_s", "dancer", "x_m", "y_m", "z_m", "heading_rad", "hands_m", "tether_x_n", "tether_y_n",
@@ -50,6 +51,7 @@ class Ledger:
         self._odometry = np.empty((math.ceil(end_s * config.robot.odometry_hz) + 2, len(ODOMETRY_COLUMNS)))
         frames = math.ceil(end_s * config.sensors.rate_hz) + 2
         self._joints = np.empty((frames, dancers, 25, 3), dtype=np.float32)
+        self._mounts: dict[str, tuple[Mount, list[int]]] = {}
         self._skeletons = np.full((frames, dancers, 25, 4), np.nan, dtype=np.float32)
         self._visible = np.zeros((frames, dancers, 25), dtype=bool)
         self._watched = np.zeros(frames, dtype=bool)
@@ -85,18 +87,23 @@ class Ledger:
             self._watched[frame] = True
         self._frames += 1
 
-    def estimate(self, joints_m: Array, state: NDArray[np.int8], dancers: IntArray) -> None:
+    def estimate(self, skeletons: Skeletons, dancers: IntArray, mount: Mount) -> None:
         """What the active client saw in the frame that `see` is about to take.
 
         Args:
-            joints_m: (P, 25, 3) joints in the world.
-            state: (P, 25) their tracking state.
-            dancers: (P,) who they are of.
+            skeletons: in the sensor's frame.
+            dancers: (P,) who they are of; -1 for nobody.
+            mount: where the sensor is.
         """
         if self._frames < len(self._skeletons):
+            known = dancers >= 0
             row = self._skeletons[self._frames]
-            row[dancers, :, :3] = joints_m
-            row[dancers, :, 3] = state
+            if known.all():
+                row[dancers, :, :3], row[dancers, :, 3] = skeletons.joints, skeletons.state
+            else:
+                row[dancers[known], :, :3] = skeletons.joints[known]
+                row[dancers[known], :, 3] = skeletons.state[known]
+            self._mounts.setdefault(mount.name, (mount, []))[1].append(self._frames)
 
     def write(self, now: float, roots: Array, stage: Stage, fallen: NDArray[np.bool_]) -> None:
         """One tick of truth; ``roots`` is (D, 6)."""
@@ -150,5 +157,9 @@ class Ledger:
         return self._joints[: self._frames]
 
     def skeletons(self) -> NDArray[np.float32]:
-        """(F, D, 25, 4) what the active client saw of them, and each joint's tracking state."""
-        return self._skeletons[: self._frames]
+        """(F, D, 25, 4) world positions that the active client saw of them [m], and each joint's tracking state."""
+        out = self._skeletons[: self._frames].copy()
+        for mount, frames in self._mounts.values():
+            local = out[frames, :, :, :3]
+            out[frames, :, :, :3] = local @ mount.world_from_sensor.T + mount.position
+        return out

@@ -5,9 +5,11 @@ World -> uplinks -> server -> method -> dispatcher -> downlinks -> world again, 
 
 from __future__ import annotations
 
+import gc
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -228,6 +230,21 @@ def run_session(
         if progress is not None:
             progress(min(session.time_s / session.end_s, 1.0))
     return session.log()
+
+
+@contextmanager
+def _collector_paused() -> Iterator[None]:
+    """Keep the garbage collector from walking through everything that is loaded, again and again.
+
+    What a session makes lives as long as it does; nothing is in cycles that would have to be collected meanwhile.
+    """
+    running = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if running:
+            gc.enable()
 
 
 def versions() -> dict[str, str]:

@@ -252,8 +252,7 @@ class PhysicsWorld:
         for name, client in self._clients.items():
             skeletons = client.capture(now, self.stage)
             if name == self.active and skeletons is not None:
-                seen = skeletons.joints @ self._mounts[name].world_from_sensor.T + self._mounts[name].position
-                self.ledger.estimate(seen, skeletons.state, self._sensing[name].dancers)
+                self.ledger.estimate(skeletons, self._sensing[name].dancers, self._mounts[name])
             self._outbox.extend(client.outputs(now))
         faced = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
         sensing = self._sensing[faced]
