@@ -24,7 +24,7 @@ from .errors import SjasimError
 from .humans.anatomy import Anatomy
 from .humans.body import dancer_spec
 from .robot.body import robot_spec
-from .types import Array, DancerStates, IntArray, JointTargets, Servos, WheelCommand, WheelReading
+from .types import Array, DancerStates, Geoms, IntArray, JointTargets, Servos, WheelCommand, WheelReading
 
 _FLOOR = (0.78, 0.75, 0.70), (0.70, 0.67, 0.62)
 _ANKLES = [JOINT_INDEX["AnkleLeft"], JOINT_INDEX["AnkleRight"]]
@@ -124,6 +124,10 @@ class Stage:
         self._owner, self._soles = owner, soles
         self._visible = np.ones(mujoco.mjNGROUP, dtype=np.uint8)
         self._visible[3] = 0
+        self._seen = np.flatnonzero(m.geom_group != 3)
+        self._form = m.geom_type[self._seen].astype(np.int64)
+        self._size = m.geom_size[self._seen]
+        self._seen_owner = owner[self._seen]
         if self.has_robot:
             self._base = m.body(f"{ROBOT_PREFIX}base").id
             self._wheels = [m.actuator(f"{ROBOT_PREFIX}{name}").id for name in ("wheel_l", "wheel_r")]
@@ -152,6 +156,23 @@ class Stage:
             d.ctrl[self._tether[:, :2]] = pelvises[:, :2]
             d.ctrl[self._tether[:, 2]] = heading_rad
         mujoco.mj_forward(self.model, d)
+
+    def pose(self, joints: Array, roots: Array, robot: tuple[float, float, float] | None = None) -> None:
+        """Put everyone in a posture without physics, for pictures of bodies that need not balance.
+
+        Args:
+            joints: (D, 25) hinge angles [rad].
+            roots: (D, 6) pelvis x, y, z [m], yaw, pitch, roll [rad].
+            robot: its position and heading [m, m, rad]; None leaves it where it is.
+        """
+        d = self.data
+        d.qpos[self._hinges] = joints
+        d.qpos[self._root] = roots
+        if robot is not None and self.has_robot:
+            address = self.model.joint(f"{ROBOT_PREFIX}root").qposadr[0]
+            d.qpos[address : address + 2] = robot[:2]
+            d.qpos[address + 3 : address + 7] = [np.cos(robot[2] / 2), 0.0, 0.0, np.sin(robot[2] / 2)]
+        mujoco.mj_kinematics(self.model, d)
 
     @property
     def time_s(self) -> float:
@@ -212,6 +233,13 @@ class Stage:
     def yaw_rad(self) -> Array:
         """(D,) true headings of the pelvises [rad]."""
         return np.asarray(self.data.qpos[self._root[:, 3]])
+
+    @property
+    def geoms(self) -> Geoms:
+        """Everything visible, at this instant; see `types.StageView`."""
+        d = self.data
+        rotation = d.geom_xmat[self._seen].reshape(-1, 3, 3)
+        return Geoms(self._form, self._size, d.geom_xpos[self._seen], rotation, self._seen_owner)
 
     def first_hits(self, origin: Array, directions: Array) -> tuple[Array, IntArray]:
         """First surface along rays (N, 3) from a point, and whose it is; see `types.StageView`."""
