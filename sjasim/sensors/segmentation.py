@@ -29,6 +29,8 @@ REACH_M = 0.85
 """Nothing of a person is farther from the trunk over the floor: an arm's length (assumed)."""
 LOW_M, LOW_REACH_M = 0.50, 0.50
 """Below this height, a robot's, only legs count, which reach so far (assumed)."""
+LONELY_M, STRANGE_M = 0.45, 0.40
+"""Farther than the first from the trunk a point must be nearer than the second to one of the joints (assumed)."""
 OBJECT_M = 0.30
 """A low object's points are within this distance of its middle (assumed)."""
 NOBODY, OBJECT = -1, -2
@@ -129,8 +131,9 @@ def _share(count: int, point: Points, places: Array, joints: Array, low: Array, 
             if x * x + z * z < min(best, OBJECT_M * OBJECT_M):
                 owner[i] = OBJECT
                 continue
-        if rival:
-            nearest = np.inf
+        if rival or (who >= 0 and best > LONELY_M * LONELY_M):
+            nearest = np.inf if rival else STRANGE_M * STRANGE_M
+            who = NOBODY
             for k in range(len(places)):
                 x, z = point[i, 0] - places[k, 0], point[i, 2] - places[k, 1]
                 if x * x + z * z < reach * reach:
@@ -144,7 +147,8 @@ def share(scene: Foreground, places: Array, joints: Array, low: Array) -> None:
     """Give every point to a person, to the low object, or to nobody.
 
     A point within reach of one person is that person's. Where several could have it the nearest of their joints
-    decides, as predicted from the last frame: trunks that pass each other at arm's length stay apart.
+    decides, as predicted from the last frame: trunks that pass each other at arm's length stay apart. A point beyond
+    a lonely person's trunk must be near one of the joints, or it is nobody's: somebody else may be standing there.
 
     Args:
         scene: gets its owners.
@@ -167,9 +171,7 @@ def _quantile(histogram: NDArray[np.int32], share_below: float) -> float:
 
 
 @njit(cache=True)
-def _measure(
-    count: int, point: Points, owner: Owners, places: Array, scales: Array, out: Array
-) -> None:
+def _measure(count: int, point: Points, owner: Owners, places: Array, scales: Array, out: Array) -> None:
     across = np.zeros((len(places), 200), np.int32)
     away = np.zeros((len(places), 200), np.int32)
     chest = np.zeros((len(places), 200), np.int32)
