@@ -252,8 +252,10 @@ class PhysicsWorld:
         seen = np.full((self._config.group, 2), np.nan)
         if self._clients[name].watches(now):
             sensing = self._sensing[name]
-            seen[sensing.dancers, 0] = sensing.visible[:, _TORSO].mean(axis=1)
-            seen[sensing.dancers, 1] = sensing.visible[:, _HANDS].mean(axis=1)
+            known = sensing.dancers >= 0
+            dancers, visible = sensing.dancers[known], sensing.visible[known]
+            seen[dancers, 0] = visible[:, _TORSO].mean(axis=1)
+            seen[dancers, 1] = visible[:, _HANDS].mean(axis=1)
         return seen
 
     def _fall(self, now: float, down: np.ndarray) -> None:
