@@ -35,9 +35,14 @@ SETTLED_M = 0.03
 """A joint that comes back is tracked once it is this near to where it is seen (assumed)."""
 SPEED_S = 0.10
 """Time constant of the trunk's velocity (assumed)."""
-YAW_S, YAW_SHARE = 0.25, 0.5
-"""Time constant with which the forest's yaw corrects the tracked one, and the share of the skeleton's own in a
-frame (assumed)."""
+YAW_S, YAW_ASTRAY_RAD, YAW_ASTRAY_S = 0.25, math.radians(60.0), 0.08
+"""Time constant with which the forest's yaw corrects the tracked one, and the time constant beyond an angle at which
+only one of them can be right: the forest, which does not remember its mistakes (assumed)."""
+OWN_YAW_RAD, OWN_YAW_S = math.radians(40.0), 0.08
+"""The skeleton's own heading counts if it is so near, with this time constant (assumed)."""
+OWN_MOTION_S = 0.10
+"""Time constant with which a joint of the trunk leaves the motion that all of the trunk has in common: what they
+share shakes less than each (assumed)."""
 CROWN = 0.965
 """Height of the crown over stature, as pixels show it standing."""
 STATURE_M = (1.35, 2.10)
@@ -123,7 +128,9 @@ class Person:
         if math.isnan(self.yaw_rad):
             self.yaw_rad = said
         else:
-            self.yaw_rad = wrapped(self.yaw_rad + blend(interval_s, YAW_S) * wrapped(said - self.yaw_rad))
+            off = wrapped(said - self.yaw_rad)
+            constant_s = YAW_ASTRAY_S if abs(off) > YAW_ASTRAY_RAD else YAW_S
+            self.yaw_rad = wrapped(self.yaw_rad + blend(interval_s, constant_s) * off)
 
     def lose(self, interval_s: float) -> None:
         """Out of sight: coast, and after a while admit it."""
@@ -143,7 +150,7 @@ class Person:
             mean: (25, 3) mean posture.
             interval_s: since the last frame.
         """
-        self._face(posture.heading(joints, seen))
+        self._face(posture.heading(joints, seen), interval_s)
         row = posture.features(np.nan_to_num(joints), seen, mean, self.yaw_rad, self.scale, self.width)
         if row is None:
             self.lose(interval_s)
@@ -153,7 +160,8 @@ class Person:
         before = np.where(fresh[:, None], likely, self.joints)
         was_seen = self.state == TRACKED
         back = seen & ~was_seen & ~fresh & (np.abs(self.carry).sum(axis=1) == 0.0)
-        moved = self._moved(joints, before, seen & was_seen)
+        kept = seen & was_seen
+        moved = self._moved(joints, before, kept)
         hidden = before + moved
         hidden += blend(interval_s, RELAX_S) * (likely - hidden)
         self.carry[back] = (before + moved - joints)[back]
@@ -161,14 +169,19 @@ class Person:
         self.carry[~seen] = 0.0
         off = np.abs(self.carry).max(axis=1)
         self.carry[off < 0.002] = 0.0
-        self.joints = np.where(seen[:, None], np.nan_to_num(joints) + self.carry, hidden)
+        steady = posture.TRUNK[kept[posture.TRUNK]]
+        joints = np.nan_to_num(joints) + self.carry
+        common = before[steady] + moved
+        joints[steady] = common + blend(interval_s, OWN_MOTION_S) * (joints[steady] - common)
+        self.joints = np.where(seen[:, None], joints, hidden)
         self.state = np.where(seen & (off < SETTLED_M), TRACKED, INFERRED).astype(np.int8)
         self._go(interval_s)
 
-    def _face(self, yaw_rad: float) -> None:
-        """Believe the skeleton's own heading, unless it contradicts the tracked one altogether."""
-        if not math.isnan(yaw_rad):
-            self.yaw_rad = wrapped(self.yaw_rad + YAW_SHARE * wrapped(yaw_rad - self.yaw_rad))
+    def _face(self, yaw_rad: float, interval_s: float) -> None:
+        """Believe the skeleton's own heading, unless it contradicts the tracked one."""
+        off = wrapped(yaw_rad - self.yaw_rad) if not math.isnan(yaw_rad) else math.inf
+        if abs(off) < OWN_YAW_RAD:
+            self.yaw_rad = wrapped(self.yaw_rad + blend(interval_s, OWN_YAW_S) * off)
 
     def _moved(self, joints: Array, before: Array, kept: NDArray[np.bool_]) -> Array:
         """(3,) what the trunk still goes beyond its prediction."""

@@ -27,6 +27,8 @@ SURE_M = 0.10
 """Votes with a larger spread do not make a joint tracked (assumed)."""
 FIRST_M = 0.12
 """Votes with a larger spread do not say where to begin (assumed)."""
+LIMB_M, LIMB_SHARE = (0.20, 0.15), 4
+"""A point so far beside the trunk, or before it, is a limb's; so many times more of these vote (assumed)."""
 
 Column = NDArray[np.float64]
 
@@ -41,7 +43,9 @@ def _probe(image: Image, v: int, u: int, z: float, reach: float, left: float, up
 
 
 @njit(cache=True, error_model="numpy")
-def _feature(k: int, probes: NDArray[np.float32], image: Image, v: int, u: int, p: Points, reach: float, person: Column) -> float:
+def _feature(
+    k: int, probes: NDArray[np.float32], image: Image, v: int, u: int, p: Points, reach: float, person: Column
+) -> float:
     """Answer of one pixel to one question; ``person`` is x, z, width, scale, cosine and sine of the yaw."""
     count = len(probes)
     if k < count:
@@ -161,19 +165,22 @@ def _votes(
     spread: NDArray[np.float32], image: Image, pixel: Pixels, point: Points, owner: Owners, count: int,
     stride: NDArray[np.int64], fx: float, persons: Array, where: NDArray[np.int32], place: NDArray[np.float32],
 ) -> int:  # fmt: skip
-    """Write every vote's person, joint (``where``), position, weight and whether it is sure (``place``)."""
-    seen = np.zeros(len(persons), np.int64)
+    """Write every vote's person and joint (``where``), its position, weight and spread (``place``)."""
+    seen = np.zeros((len(persons), 2), np.int64)
     n, most = 0, len(where) - joint.shape[1] * len(roots)
     for i in range(count):
         k = owner[i]
         if k < 0:
             continue
-        seen[k] += 1
-        if seen[k] % stride[k] or n >= most:
-            continue
         scale, cos, sin = persons[k, 3], persons[k, 4], persons[k, 5]
+        aside = abs(point[i, 0] - persons[k, 0]) > LIMB_M[0] * scale
+        apart = aside or point[i, 2] < persons[k, 1] - LIMB_M[1] * scale
+        step = max(stride[k] // LIMB_SHARE, 1) if apart else stride[k]
+        seen[k, int(apart)] += 1
+        if seen[k, int(apart)] % step or n >= most:
+            continue
         reach = fx * scale / point[i, 2]
-        surface = stride[k] * (point[i, 2] / (scale * fx)) ** 2
+        surface = step * (point[i, 2] / (scale * fx)) ** 2
         for t in range(len(roots)):
             leaf = _leaf(
                 roots[t], probes, feature, threshold, child, image, pixel[i, 0], pixel[i, 1], point[i], reach,

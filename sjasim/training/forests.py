@@ -17,6 +17,8 @@ from .samples import Samples
 
 VOTES = 6
 """Joints that a leaf votes for."""
+YAW_PIXELS, SECTORS = 110_000, 36
+"""Pixels that the yaws' forest is grown on, and sectors of yaw that all weigh the same in it."""
 MOST_SPREAD_M = 0.5
 """An offset farther off its leaf's median counts as this far."""
 
@@ -38,8 +40,8 @@ class Growth:
     trees: int = 3
     leaves: int = 3000
     yaw_trees: int = 2
-    yaw_leaves: int = 600
-    tried: int = 40
+    yaw_leaves: int = 1500
+    tried: int = 30
     share: float = 0.5
     jobs: int = 2
 
@@ -90,19 +92,21 @@ def grow(samples: Samples, growth: Growth, seed: int) -> Grown:
 def grow_yaw(samples: Samples, growth: Growth, seed: int) -> tuple[Grown, NDArray[np.int8]]:
     """Grow the yaws' forest and its votes (V, 2); it sees no feature that knows a yaw."""
     blind = samples.features.shape[1] - (9 - YAW_EXTRAS)
-    few = slice(None, None, 2)
-    features = np.ascontiguousarray(samples.features[few, :blind])
+    few = slice(None, None, max(1, len(samples.joint) // YAW_PIXELS))
+    features, goal = np.ascontiguousarray(samples.features[few, :blind]), samples.yaw[few]
+    sector = ((np.arctan2(goal[:, 1], goal[:, 0]) / math.tau % 1.0) * SECTORS).astype(np.int64)
+    weight = 1.0 / np.bincount(sector, minlength=SECTORS)[sector]
     ensemble = _library().RandomForestRegressor(
-        growth.yaw_trees, max_leaf_nodes=growth.yaw_leaves, min_samples_leaf=30, max_features=growth.tried,
+        growth.yaw_trees, max_leaf_nodes=growth.yaw_leaves, min_samples_leaf=20, max_features=growth.tried,
         max_samples=growth.share, n_jobs=growth.jobs, random_state=seed,
     )  # fmt: skip
-    ensemble.fit(features, samples.yaw[few])
+    ensemble.fit(features, goal, sample_weight=weight / weight.mean())
     grown = _unravel(ensemble, features)
     votes = np.zeros((grown.leaves, 2))
     for leaf in grown.leaf:
-        members = np.maximum(np.bincount(leaf, minlength=grown.leaves), 1)
+        members = np.bincount(leaf, weight, grown.leaves)
         for c in range(2):
-            votes[:, c] += np.bincount(leaf, samples.yaw[few, c], grown.leaves) / members
+            votes[:, c] += np.bincount(leaf, weight * goal[:, c], grown.leaves) / np.where(members > 0, members, 1.0)
     return grown, np.rint(127 * votes).astype(np.int8)
 
 

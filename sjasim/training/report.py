@@ -115,7 +115,7 @@ class Tally:
     @property
     def p95_ms(self) -> float:
         """95th percentile of the distances [ms]."""
-        return 1000 * float(np.percentile(self.off_s, 95)) if self.off_s else math.nan
+        return round(1000 * float(np.percentile(self.off_s, 95)), 1) if self.off_s else math.nan
 
 
 def detected(joints: Array, state: Array) -> list[DeviceEvent]:

@@ -25,6 +25,8 @@ STATURE_M, MASS_KG = (1.50, 1.95), (50.0, 100.0)
 RATE_HZ, PLAN_S = 30, 16.0
 APART_M = 0.55
 """Least distance between two dancers over the floor."""
+CLAPPING = 0.3
+"""Share of postures drawn from claps: hands before the trunk are small, and must be found."""
 SLACK_RAD, TILT_RAD = math.radians(2.5), math.radians(2.0)
 """Standard deviations of what a hinge and the trunk differ from the plan, as physics makes them."""
 _ARMS = [ACTUATED_INDEX[f"{name}_{side}"] for side in "LR" for name in ("shoulder_y", "shoulder_x", "elbow")]
@@ -92,7 +94,9 @@ class Cast:
     def __init__(self, rng: np.random.Generator, group: int = 3) -> None:
         self._rng = rng
         self._bodies = [anatomy(random_build(rng)) for _ in range(group)]
-        self._plans = [planned(body, dance(rng, "")) for body in self._bodies]
+        dances = [dance(rng, "") for _ in self._bodies]
+        self._plans = [planned(body, cues) for body, cues in zip(self._bodies, dances, strict=True)]
+        self._claps_s = [[cue.t_s for cue in cues if cue.move is Move.CLAP] for cues in dances]
         room = RoomConfig()
         place = layout("square", 3, room, SensorConfig())
         self.mount: Mount = place.mounts[0]
@@ -109,7 +113,7 @@ class Cast:
         yaw = np.array([_yaw(rng) for _ in range(group)])
         joints, roots = np.zeros((group, 25)), np.zeros((group, 6))
         for index, plan in enumerate(self._plans):
-            tick = int(rng.integers(len(plan.yaw)))
+            tick = self._tick(index)
             joints[index] = plan.joints[tick] + SLACK_RAD * rng.standard_normal(25)
             if rng.random() < 0.25:
                 side = slice(0, 3) if rng.random() < 0.5 else slice(3, 6)
@@ -122,6 +126,13 @@ class Cast:
         robot = (float(spots[-1, 0]), float(self.mount.position[1] - spots[-1, 1]), float(rng.uniform(-3.1, 3.1)))
         self._stage.pose(joints, roots, robot)
         return Scene(self._stage.geoms, self._stage.joints_m, yaw, self.stature_m)
+
+    def _tick(self, dancer: int) -> int:
+        """A tick of a dancer's plan; many more in claps than their time would give."""
+        claps, rng = self._claps_s[dancer], self._rng
+        if claps and rng.random() < CLAPPING:
+            return round((float(rng.choice(claps)) + float(rng.uniform(-0.65, 0.55))) * RATE_HZ)
+        return int(rng.integers(len(self._plans[dancer].yaw)))
 
 
 def scenes(count: int, seed: int, name: str) -> Iterator[tuple[Mount, Scene]]:
@@ -143,7 +154,7 @@ def scenes(count: int, seed: int, name: str) -> Iterator[tuple[Mount, Scene]]:
 def _yaw(rng: np.random.Generator) -> float:
     """Mostly the headings that count: facing, up to 110 degrees; a few more from all around."""
     luck = rng.random()
-    widest = 35.0 if luck < 0.4 else 110.0 if luck < 0.75 else 180.0
+    widest = 35.0 if luck < 0.30 else 115.0 if luck < 0.65 else 180.0
     return math.radians(rng.uniform(-widest, widest))
 
 

@@ -16,7 +16,7 @@ from ..sensors.posture import FEATURES
 from .forests import Growth, draw_probes, grow, grow_yaw, leaf_votes
 from .samples import gather
 from .scenes import scenes
-from .tuning import Estimates, estimate, mean_posture, regress, thresholds
+from .tuning import estimate, mean_posture, regress, thresholds
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,8 @@ class Recipe:
 
     Attributes:
         scenes: number of scenes for the forests.
-        tuning: number of scenes for thresholds and postures.
+        tuning: number of scenes for thresholds.
+        postures: number of scenes, of which no picture is taken, for the posture's regression.
         pixels: pixels per person and scene.
         probes: number of depth-difference features.
         seed: of everything random.
@@ -33,14 +34,15 @@ class Recipe:
     """
 
     scenes: int = 1400
-    tuning: int = 400
-    pixels: int = 130
+    tuning: int = 250
+    postures: int = 3000
+    pixels: int = 110
     probes: int = 200
     seed: int = 0
     growth: Growth = Growth()
 
 
-SMALL = Recipe(scenes=260, tuning=120, growth=Growth(leaves=2000, yaw_leaves=400))
+SMALL = Recipe(scenes=260, tuning=80, postures=1000, growth=Growth(leaves=2000, yaw_leaves=600))
 """A recipe for under a minute on two cores."""
 
 
@@ -72,13 +74,14 @@ def train(recipe: Recipe, say: Callable[[str], None] = lambda _: None) -> Model:
         mean_posture(scenes(40, seed, "train")), info,
     )  # fmt: skip
     tell("leaves have their votes")
-    model = tuned(model, estimate(scenes(recipe.tuning, seed, "tune"), model, seed, "tune"), seed)
+    model = tuned(model, recipe)
     tell("thresholds and postures")
     return model
 
 
-def tuned(model: Model, found: Estimates, seed: int) -> Model:
-    """The same forests with thresholds and posture regression from estimates on other scenes."""
-    support = thresholds(found)
-    posture = regress(found, support.astype(float), model.mean.astype(float), seed)
+def tuned(model: Model, recipe: Recipe) -> Model:
+    """The same forests with thresholds and posture regression from other scenes."""
+    seed = recipe.seed
+    support = thresholds(estimate(scenes(recipe.tuning, seed, "tune"), model, seed, "tune"))
+    posture = regress(scenes(recipe.postures, seed, "posture"), model.mean.astype(float), seed)
     return dataclasses.replace(model, support=support, posture=posture)

@@ -21,9 +21,17 @@ from .scenes import Scene
 
 GOOD_M = 0.12
 """A joint nearer than this to the truth had better be tracked."""
-FALSE_COST = 0.6
+FALSE_COST = 0.3
 """Cost of tracking a joint that is not there, over that of not tracking one that is."""
-RIDGE = 1.0
+RIDGE = 0.3
+POSTURE_M, POSTURE_YAW_RAD = 0.02, 0.1
+"""Standard deviations of tracked joints and yaws that the posture's regression must live with."""
+LIMBS = [
+    [index for index, name in enumerate(JOINTS) if name.endswith(side) and name.startswith(parts)]
+    for parts in (("Elbow", "Wrist", "Hand", "Thumb"), ("Knee", "Ankle", "Foot"))
+    for side in ("Left", "Right")
+]
+"""Joints that are hidden together: arms, then legs."""
 _BASE = JOINT_INDEX["SpineBase"]
 
 
@@ -69,8 +77,7 @@ def mean_posture(scenes: Iterable[tuple[Mount, Scene]]) -> NDArray[np.float16]:
     """(25, 3) mean of all dancers in their own frames, over their scale [m]."""
     rows = []
     for mount, scene in scenes:
-        joints = (scene.joints_m - mount.position) @ mount.world_from_sensor
-        joints[:, :, 1] += mount.position[2]
+        joints = points(mount, scene)
         joints[:, :, [0, 2]] -= joints[:, _BASE : _BASE + 1, [0, 2]]
         yaw = scene.yaw_rad
         persons = np.stack([yaw, yaw, yaw, scene.stature_m / 1.75, np.cos(yaw), np.sin(yaw)], axis=1)
@@ -91,25 +98,46 @@ def thresholds(found: Estimates) -> NDArray[np.float32]:
     return out
 
 
-def regress(found: Estimates, support: Array, mean: Array, seed: int) -> NDArray[np.float16]:
+def regress(scenes: Iterable[tuple[Mount, Scene]], mean: Array, seed: int) -> NDArray[np.float16]:
     """(104, 75) ridge regression of the whole posture from the joints that are tracked.
 
-    Every person is shown three times: as seen, and twice with further joints hidden at random.
+    Learnt from true joints with errors of the forest's size, of which some are hidden: single ones, limbs, sides.
     """
     rng = stream(seed, "training", "posture")
     rows, goals = [], []
-    for n in range(len(found.joints)):
-        joints, person = found.joints[n], found.persons[n]
-        yaw = float(np.arctan2(person[5], person[4]))
-        scale, width = float(person[3]), float(person[2])
-        for hidden in (0.0, 0.3 * rng.random(), 0.6 * rng.random()):
-            seen = (found.support[n] > support) & (rng.random(len(JOINTS)) >= hidden)
-            made = posture.features(joints, seen, mean, yaw, scale, width)
+    for mount, scene in scenes:
+        for true, yaw, stature in zip(points(mount, scene), scene.yaw_rad, scene.stature_m, strict=True):
+            tracked_yaw = float(yaw + POSTURE_YAW_RAD * rng.standard_normal())
+            scale = float(stature / 1.75)
+            joints = true + POSTURE_M * rng.standard_normal(true.shape)
+            made = posture.features(joints, _hidden(rng), mean, tracked_yaw, scale, 0.0)
             if made is None:
                 continue
             row, place = made
             rows.append(row)
-            body = posture.towards_body(found.true[n] - [place[0], 0.0, place[1]], yaw) / scale - mean
+            body = posture.towards_body(true - [place[0], 0.0, place[1]], tracked_yaw) / scale - mean
             goals.append(body.ravel())
     x, y = np.array(rows), np.array(goals)
     return np.linalg.solve(x.T @ x + RIDGE * np.eye(x.shape[1]), x.T @ y).astype(np.float16)
+
+
+def points(mount: Mount, scene: Scene) -> Array:
+    """(D, 25, 3) true joints as a sensor's points: x, height, z [m]."""
+    joints = (scene.joints_m - mount.position) @ mount.world_from_sensor
+    joints[:, :, 1] += mount.position[2]
+    return np.asarray(joints)
+
+
+def _hidden(rng: np.random.Generator) -> NDArray[np.bool_]:
+    """Which joints are seen: all but a few, a limb or two, the lower half, or one side."""
+    seen = rng.random(len(JOINTS)) >= rng.choice([0.0, 0.1, 0.4])
+    for limb in LIMBS:
+        if rng.random() < 0.25:
+            seen[limb] = False
+    luck = rng.random()
+    if luck < 0.10:
+        seen[LIMBS[2]] = seen[LIMBS[3]] = False
+    elif luck < 0.25:
+        side = int(rng.integers(2))
+        seen[LIMBS[side]] = seen[LIMBS[2 + side]] = False
+    return np.asarray(seen)
