@@ -150,20 +150,15 @@ def default() -> Model:
 
 @dataclass(frozen=True, slots=True)
 class Trees:
-    """One forest, unpacked for speed.
+    """One forest, packed for speed: a node is a line of the cache.
 
     Attributes:
-        probes: (F, 4) [m].
-        feature: (N,) what a node asks for.
-        threshold: (N,) up to this goes left.
-        child: (N, 2) left and right child; a leaf's left is -1 - its number.
+        node: (N, 8) threshold, the four numbers of its probe [m], left child (-1 - its number for a leaf), right
+            child, and what it asks: 0 for a probe with one end, 1 for one with two, 2 + k for extra feature k.
         roots: (T,) first nodes.
     """
 
-    probes: NDArray[np.float32]
-    feature: NDArray[np.int32]
-    threshold: NDArray[np.float32]
-    child: NDArray[np.int32]
+    node: NDArray[np.float32]
     roots: NDArray[np.int32]
 
 
@@ -197,17 +192,23 @@ class Unpacked:
 def unpacked(model: Model) -> Unpacked:
     """Prepare a model for use."""
     m, f4, i4 = model, np.float32, np.int32
-    probes = m.probes.astype(f4)
-    joints = Trees(probes, m.feature.astype(i4), m.threshold.astype(f4), _child(m.left, m.right), m.roots.astype(i4))
-    yaws = Trees(
-        probes, m.yaw_feature.astype(i4), m.yaw_threshold.astype(f4), _child(m.yaw_left, m.yaw_right),
-        m.yaw_roots.astype(i4),
-    )  # fmt: skip
+    joints = Trees(_packed(m.probes, m.feature, m.threshold, m.left, m.right), m.roots.astype(i4))
+    yaws = Trees(_packed(m.probes, m.yaw_feature, m.yaw_threshold, m.yaw_left, m.yaw_right), m.yaw_roots.astype(i4))
     return Unpacked(
         joints, m.joint.astype(i4), m.offset.astype(f4) * f4(MILLI), m.spread.astype(f4) * f4(4 * MILLI), yaws,
         m.yaw_vote.astype(f4) / f4(127), m.support.astype(float), m.posture.astype(float), m.mean.astype(float),
     )  # fmt: skip
 
 
-def _child(left: NDArray[np.int16], right: NDArray[np.int16]) -> NDArray[np.int32]:
-    return np.stack([left, right], axis=1).astype(np.int32)
+def _packed(
+    probes: NDArray[np.float16], feature: NDArray[np.uint8], threshold: NDArray[np.float16], left: NDArray[np.int16],
+    right: NDArray[np.int16],
+) -> NDArray[np.float32]:  # fmt: skip
+    node = np.zeros((len(feature), 8), np.float32)
+    asks = feature.astype(np.int64)
+    extra = asks >= len(probes)
+    probe = probes.astype(np.float32)[np.where(extra, 0, asks)]
+    node[:, 0], node[:, 5], node[:, 6] = threshold, left, right
+    node[:, 1:5] = np.where(extra[:, None], 0.0, probe)
+    node[:, 7] = np.where(extra, 2 + asks - len(probes), (probe[:, 2:] != 0.0).any(axis=1))
+    return node

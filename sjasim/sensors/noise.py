@@ -69,14 +69,15 @@ def axial_m(depth_m: float, incidence_rad: float) -> float:
 
 
 @njit(cache=True)
-def _alone(flat: NDArray[np.bool_], geom: NDArray[np.int16], v: int, u: int) -> bool:
-    """Whether a pixel and its four neighbours show a floor, or nothing."""
+def _solid(geom: NDArray[np.int16], flat: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(H + 2, W + 2) whether pixels show something that is no floor, with a frame of nothing around them."""
     height, width = geom.shape
-    for dv, du in ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1)):
-        g = geom[min(max(v + dv, 0), height - 1), min(max(u + du, 0), width - 1)]
-        if g >= 0 and not flat[g]:
-            return False
-    return True
+    out = np.zeros((height + 2, width + 2), np.bool_)
+    for v in range(height):
+        for u in range(width):
+            g = geom[v, u]
+            out[v + 1, u + 1] = g >= 0 and not flat[g]
+    return out
 
 
 @njit(cache=True)
@@ -137,10 +138,13 @@ def _sense(
     far: float,
     out: NDArray[np.uint16],
 ) -> None:
+    solid = _solid(geom, flat)
     for v in range(depth.shape[0]):
+        above, row, below = solid[v], solid[v + 1], solid[v + 2]
         for u in range(depth.shape[1]):
-            own = depth[v, u]
-            seen = own if _alone(flat, geom, v, u) else _spoil(depth, facing, v, u, key, fx)
+            seen = depth[v, u]
+            if above[u + 1] | below[u + 1] | row[u] | row[u + 1] | row[u + 2]:
+                seen = _spoil(depth, facing, v, u, key, fx)
             out[v, u] = np.uint16(seen * 1000.0 + 0.5) if near <= seen <= far else np.uint16(0)
 
 

@@ -294,5 +294,5 @@ def low_object(scene: Foreground, before: Array, intrinsics: Intrinsics, area_m2
     surface = float((z.astype(float) ** 2).sum()) / (intrinsics.fx * intrinsics.fy)
     if len(x) == 0 or surface < area_m2:
         return before
-    middle = np.array([np.median(x), np.median(z)])
+    middle = np.array([x.mean(), z.mean()])
     return middle if math.isnan(before[0]) else np.asarray(before + 0.3 * (middle - before))

@@ -14,7 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..types import Array
-from .model import Trees, Unpacked
+from .model import EXTRAS, Unpacked
 from .segmentation import Foreground, Image, Owners, Pixels, Points
 
 CLIP_M = 0.6
@@ -25,35 +25,29 @@ FLOOR_SPREAD_M = 0.03
 """Added to a vote's spread before it becomes a weight (assumed)."""
 SURE_M = 0.10
 """Votes with a larger spread do not make a joint tracked (assumed)."""
+LOOSE_M = 0.20
+"""Votes with a larger spread are not worth their time (assumed)."""
 FIRST_M = 0.12
 """Votes with a larger spread do not say where to begin (assumed)."""
 LIMB_M, LIMB_SHARE = (0.20, 0.15), 4
 """A point so far beside the trunk, or before it, is a limb's; so many times more of these vote (assumed)."""
 
 Column = NDArray[np.float64]
+Nodes = NDArray[np.float32]
 
 
 @njit(cache=True, error_model="numpy")
-def _probe(image: Image, v: int, u: int, z: float, reach: float, left: float, up: float) -> float:
-    """Depth difference to the point ``left`` and ``up`` of a pixel, clipped [m]."""
-    row, column = v - int(math.floor(up * reach + 0.5)), u + int(math.floor(left * reach + 0.5))
+def _probe(image: Image, v: int, u: int, z: float, left: float, up: float) -> float:
+    """Depth difference to the point so many pixels to the left of a pixel and above it, clipped [m]."""
+    row, column = v - (int(up + 4096.5) - 4096), u + (int(left + 4096.5) - 4096)
     if row < 0 or row >= image.shape[0] or column < 0 or column >= image.shape[1]:
         return CLIP_M
     return min(max(image[row, column] - z, -CLIP_M), CLIP_M)
 
 
 @njit(cache=True, error_model="numpy")
-def _feature(
-    k: int, probes: NDArray[np.float32], image: Image, v: int, u: int, p: Points, reach: float, person: Column
-) -> float:
-    """Answer of one pixel to one question; ``person`` is x, z, width, scale, cosine and sine of the yaw."""
-    count = len(probes)
-    if k < count:
-        first = _probe(image, v, u, p[2], reach, probes[k, 0], probes[k, 1])
-        if probes[k, 2] == 0.0 and probes[k, 3] == 0.0:
-            return first
-        return first - _probe(image, v, u, p[2], reach, probes[k, 2], probes[k, 3])
-    k -= count
+def _extra(k: int, p: Points, person: Column) -> float:
+    """Features beyond the probes, in the order that `model.EXTRAS` tells."""
     scale = person[3]
     if k == 0:
         return p[1] / scale
@@ -69,15 +63,21 @@ def _feature(
 
 
 @njit(cache=True, error_model="numpy")
-def _leaf(
-    tree: int, probes: NDArray[np.float32], feature: NDArray[np.int32], threshold: NDArray[np.float32],
-    child: NDArray[np.int32], image: Image, v: int, u: int, p: Points, reach: float, person: Column,
-) -> int:  # fmt: skip
-    node = tree
-    while child[node, 0] >= 0:
-        answer = _feature(feature[node], probes, image, v, u, p, reach, person)
-        node = child[node, 0] if answer <= threshold[node] else child[node, 1]
-    return -1 - child[node, 0]
+def _leaf(root: int, nodes: Nodes, image: Image, v: int, u: int, p: Points, reach: float, person: Column) -> int:
+    """Number of the leaf that a pixel falls into; ``reach`` is pixels per metre of the model's person."""
+    k, z = root, p[2]
+    left = nodes[k, 5]
+    while left >= 0.0:
+        asks = nodes[k, 7]
+        if asks < 2.0:
+            answer = _probe(image, v, u, z, nodes[k, 1] * reach, nodes[k, 2] * reach)
+            if asks == 1.0:
+                answer -= _probe(image, v, u, z, nodes[k, 3] * reach, nodes[k, 4] * reach)
+        else:
+            answer = _extra(int(asks) - 2, p, person)
+        k = int(left) if answer <= nodes[k, 0] else int(nodes[k, 6])
+        left = nodes[k, 5]
+    return -1 - int(left)
 
 
 @njit(cache=True, error_model="numpy")
@@ -88,8 +88,13 @@ def _answers(
     for q in range(len(rows)):
         i = rows[q]
         reach = fx * person[3] / point[i, 2]
-        for k in range(out.shape[1]):
-            out[q, k] = _feature(k, probes, image, pixel[i, 0], pixel[i, 1], point[i], reach, person)
+        v, u, z = pixel[i, 0], pixel[i, 1], point[i, 2]
+        for k in range(len(probes)):
+            out[q, k] = _probe(image, v, u, z, probes[k, 0] * reach, probes[k, 1] * reach)
+            if probes[k, 2] != 0.0 or probes[k, 3] != 0.0:
+                out[q, k] -= _probe(image, v, u, z, probes[k, 2] * reach, probes[k, 3] * reach)
+        for k in range(out.shape[1] - len(probes)):
+            out[q, len(probes) + k] = _extra(k, point[i], person)
 
 
 def answers(scene: Foreground, rows: NDArray[np.int64], probes: NDArray[np.float32], fx: float, person: Array) -> Points:
@@ -105,15 +110,14 @@ def answers(scene: Foreground, rows: NDArray[np.int64], probes: NDArray[np.float
     Returns:
         (Q, F + 9) features.
     """
-    out = np.empty((len(rows), len(probes) + 9), np.float32)
+    out = np.empty((len(rows), len(probes) + EXTRAS), np.float32)
     _answers(probes, scene.image, scene.pixel, scene.point, rows, fx, person, out)
     return out
 
 
 @njit(cache=True, error_model="numpy")
 def _yaws(
-    probes: NDArray[np.float32], feature: NDArray[np.int32], threshold: NDArray[np.float32],
-    child: NDArray[np.int32], roots: NDArray[np.int32], vote: NDArray[np.float32], image: Image, pixel: Pixels,
+    nodes: Nodes, roots: NDArray[np.int32], vote: NDArray[np.float32], image: Image, pixel: Pixels,
     point: Points, owner: Owners, count: int, stride: NDArray[np.int64], fx: float, persons: Array, out: Array,
 ) -> None:  # fmt: skip
     seen = np.zeros(len(persons), np.int64)
@@ -126,10 +130,7 @@ def _yaws(
             continue
         reach = fx * persons[k, 3] / point[i, 2]
         for t in range(len(roots)):
-            leaf = _leaf(
-                roots[t], probes, feature, threshold, child, image, pixel[i, 0], pixel[i, 1], point[i], reach,
-                persons[k],
-            )  # fmt: skip
+            leaf = _leaf(roots[t], nodes, image, pixel[i, 0], pixel[i, 1], point[i], reach, persons[k])
             sure = vote[leaf, 0] ** 2 + vote[leaf, 1] ** 2
             out[k, 0] += sure * vote[leaf, 0]
             out[k, 1] += sure * vote[leaf, 1]
@@ -150,9 +151,8 @@ def yaw_votes(scene: Foreground, model: Unpacked, strides: NDArray[np.int64], fx
         (P, 3) sums of cosines and sines, weighted with the leaves' certainty, and number of votes.
     """
     out = np.zeros((len(persons), 3))
-    t: Trees = model.yaws
     _yaws(
-        t.probes, t.feature, t.threshold, t.child, t.roots, model.yaw_vote, scene.image, scene.pixel, scene.point,
+        model.yaws.node, model.yaws.roots, model.yaw_vote, scene.image, scene.pixel, scene.point,
         scene.owner, scene.count, strides, fx, persons, out,
     )  # fmt: skip
     return out
@@ -160,8 +160,7 @@ def yaw_votes(scene: Foreground, model: Unpacked, strides: NDArray[np.int64], fx
 
 @njit(cache=True, error_model="numpy")
 def _votes(
-    probes: NDArray[np.float32], feature: NDArray[np.int32], threshold: NDArray[np.float32],
-    child: NDArray[np.int32], roots: NDArray[np.int32], joint: NDArray[np.int32], offset: NDArray[np.float32],
+    nodes: Nodes, roots: NDArray[np.int32], joint: NDArray[np.int32], offset: NDArray[np.float32],
     spread: NDArray[np.float32], image: Image, pixel: Pixels, point: Points, owner: Owners, count: int,
     stride: NDArray[np.int64], fx: float, persons: Array, where: NDArray[np.int32], place: NDArray[np.float32],
 ) -> int:  # fmt: skip
@@ -182,13 +181,12 @@ def _votes(
         reach = fx * scale / point[i, 2]
         surface = step * (point[i, 2] / (scale * fx)) ** 2
         for t in range(len(roots)):
-            leaf = _leaf(
-                roots[t], probes, feature, threshold, child, image, pixel[i, 0], pixel[i, 1], point[i], reach,
-                persons[k],
-            )  # fmt: skip
+            leaf = _leaf(roots[t], nodes, image, pixel[i, 0], pixel[i, 1], point[i], reach, persons[k])
             for q in range(joint.shape[1]):
-                forward, up, left = offset[leaf, q, 0] * scale, offset[leaf, q, 1] * scale, offset[leaf, q, 2] * scale
                 wide = spread[leaf, q]
+                if wide > LOOSE_M:
+                    continue
+                forward, up, left = offset[leaf, q, 0] * scale, offset[leaf, q, 1] * scale, offset[leaf, q, 2] * scale
                 where[n, 0], where[n, 1] = k, joint[leaf, q]
                 place[n, 0] = point[i, 0] - sin * forward - cos * left
                 place[n, 1] = point[i, 1] + up
@@ -282,9 +280,9 @@ class Votes:
             (P, 25, 3) joints as points, NaN where neither a vote nor the prediction says anything [m], and (P, 25)
             the weight of the votes that agree.
         """
-        t, m = self._model.joints, self._model
+        m = self._model
         n = _votes(
-            t.probes, t.feature, t.threshold, t.child, t.roots, m.joint, m.offset, m.spread, scene.image, scene.pixel,
+            m.joints.node, m.joints.roots, m.joint, m.offset, m.spread, scene.image, scene.pixel,
             scene.point, scene.owner, scene.count, strides, fx, persons, self._where, self._place,
         )  # fmt: skip
         joints, support = np.full(prior.shape, np.nan), np.zeros(prior.shape[:2])
