@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assets.names import JOINTS
+from ..assets.names import JOINT_INDEX, JOINTS
 from ..errors import SjasimError
 from ..types import NOT_TRACKED, Array, Skeletons
 from . import posture, segmentation, tracking
@@ -31,6 +31,11 @@ STRANGER_M2 = 0.04
 """The same at the height of the trunk for somebody new (assumed)."""
 OBJECT_M2 = 0.01
 """The same for a low object (assumed)."""
+TOUCH_M = 0.16
+"""Hands closer than this may hide each other's surface (assumed)."""
+_LEFT, _RIGHT = (
+    [JOINT_INDEX[f"{name}{side}"] for name in ("Wrist", "Hand", "HandTip", "Thumb")] for side in ("Left", "Right")
+)
 LONGEST_S = 1.0
 """A longer gap between frames counts as this long."""
 
@@ -54,6 +59,14 @@ def person_rows(body: Array, scales: Array, yaws: Array) -> Array:
 def strides(counts: Array, wanted: int) -> NDArray[np.int64]:
     """One in so many of a person's points makes about as many as are wanted."""
     return np.maximum(np.rint(counts / wanted), 1.0).astype(np.int64)
+
+
+def _join_hands(joints: Array, support: Array) -> None:
+    """Hands that touch show each only half of their surface: where one is seen, so is the other."""
+    left, right = support[:, _LEFT], support[:, _RIGHT]
+    apart = np.linalg.norm(joints[:, _LEFT] - joints[:, _RIGHT], axis=2)
+    shared = np.where(apart < TOUCH_M, np.maximum(left, right), 0.0)
+    support[:, _LEFT], support[:, _RIGHT] = np.maximum(left, shared), np.maximum(right, shared)
 
 
 class SkeletonEstimator:
@@ -155,6 +168,7 @@ class SkeletonEstimator:
         prior = np.array([person.joints for person in persons])
         taken = strides(body[:, 0], VOTING)
         joints, support = self._votes.joints(self._scene, taken, fx, rows, prior)
+        _join_hands(joints, support)
         surface = body[:, 0] * self._per_pixel * (places[:, 1]) ** 2
         for k, person in enumerate(persons):
             if surface[k] < LEAST_M2:
