@@ -1,7 +1,7 @@
 """Measure depth sensing on bodies, seeds and layouts that its training never saw; a table, or JSON.
 
-    python scripts/evaluate_skeleton.py --dances 4
-    python scripts/evaluate_skeleton.py --only facing yaw_90 --json
+python scripts/evaluate_skeleton.py --dances 4
+python scripts/evaluate_skeleton.py --only facing yaw_90 --json
 """
 
 from __future__ import annotations

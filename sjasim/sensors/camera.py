@@ -77,7 +77,7 @@ def _span(across: float, ahead: float, radius: float, focal: float, middle: floa
     reach = math.sqrt(max(across * across + ahead * ahead - radius * radius, 1e-12))
     low = (across * reach - radius * ahead) / (ahead * reach + radius * across)
     high = (across * reach + radius * ahead) / (ahead * reach - radius * across)
-    return max(int(math.floor(middle + focal * low)), 0), min(int(math.ceil(middle + focal * high)), count - 1)
+    return max(math.floor(middle + focal * low), 0), min(math.ceil(middle + focal * high), count - 1)
 
 
 @njit(cache=True, error_model="numpy")
@@ -94,14 +94,12 @@ def _capsule(p: tuple[float, float, float], d: tuple[float, float, float], radiu
     t = _quadric(d[0] * d[0] + d[1] * d[1], p[0] * d[0] + p[1] * d[1], p[0] * p[0] + p[1] * p[1] - radius * radius)
     along = p[2] + t * d[2]
     if t > 0.0 and abs(along) <= half:
-        return t
+        return float(t)
     best = -1.0
     square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
     for end in (-half, half):
         z = p[2] - end
-        t = _quadric(
-            square, p[0] * d[0] + p[1] * d[1] + z * d[2], p[0] * p[0] + p[1] * p[1] + z * z - radius * radius
-        )
+        t = _quadric(square, p[0] * d[0] + p[1] * d[1] + z * d[2], p[0] * p[0] + p[1] * p[1] + z * z - radius * radius)
         beyond = (p[2] + t * d[2]) * end >= half * abs(end)
         if t > 0.0 and beyond and (best < 0.0 or t < best):
             best = t

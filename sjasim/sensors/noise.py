@@ -54,7 +54,7 @@ def _part(bits: np.uint64, which: int) -> float:
 def _normal(bits: np.uint64) -> float:
     """A nearly normal number of variance 1: four uniform ones added; its tails end at 3.5."""
     total = _part(bits, 0) + _part(bits, 1) + _part(bits, 2) + _part(bits, 3)
-    return (total - 2.0) * 1.7320508075688772
+    return float((total - 2.0) * 1.7320508075688772)
 
 
 @njit(cache=True)
@@ -94,9 +94,7 @@ def _edge(depth: NDArray[np.float64], v: int, u: int) -> float:
 
 
 @njit(cache=True)
-def _spoil(
-    depth: NDArray[np.float64], facing: NDArray[np.float32], v: int, u: int, key: np.uint64, fx: float
-) -> float:
+def _spoil(depth: NDArray[np.float64], facing: NDArray[np.float32], v: int, u: int, key: np.uint64, fx: float) -> float:
     """Depth that the sensor reports for one pixel, 0 for none [m]."""
     height, width = depth.shape
     own = depth[v, u]
@@ -108,9 +106,9 @@ def _spoil(
     if other > 0.0 and luck < EDGE_LOST:
         return 0.0
     aside = LATERAL_M * fx / own * 2.4494897427831781  # two uniform numbers have a variance of 1/6
-    row = min(max(v + int(round(aside * (_part(chance, 1) + _part(chance, 2) - 1.0))), 0), height - 1)
+    row = min(max(v + round(aside * (_part(chance, 1) + _part(chance, 2) - 1.0)), 0), height - 1)
     sideways = _bits(key, 3 * (v * width + u) + 1)
-    column = min(max(u + int(round(aside * (_part(sideways, 0) + _part(sideways, 1) - 1.0))), 0), width - 1)
+    column = min(max(u + round(aside * (_part(sideways, 0) + _part(sideways, 1) - 1.0)), 0), width - 1)
     seen = depth[row, column]
     if seen == np.inf:
         return 0.0
@@ -123,7 +121,7 @@ def _spoil(
             return 0.0
         angle = GRAZING_RAD
     wiggle = WIGGLE_M * math.sin(2.0 * math.pi * seen / WIGGLE_PERIOD_M)
-    return seen + wiggle + axial_m(seen, angle) * _normal(_bits(key, 3 * (v * width + u) + 2))
+    return float(seen + wiggle + axial_m(seen, angle) * _normal(_bits(key, 3 * (v * width + u) + 2)))
 
 
 @njit(cache=True)

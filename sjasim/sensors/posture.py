@@ -85,4 +85,4 @@ def predicted(row: Array, place: Array, weights: Array, mean: Array, yaw_rad: fl
         scale: as in `features`.
     """
     body = (row @ weights).reshape(-1, 3) + mean
-    return from_body(body * scale, yaw_rad) + [place[0], 0.0, place[1]]
+    return np.asarray(from_body(body * scale, yaw_rad) + np.array([place[0], 0.0, place[1]]))

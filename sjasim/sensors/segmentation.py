@@ -165,7 +165,7 @@ def _quantile(histogram: NDArray[np.int32], share_below: float) -> float:
     goal, below = share_below * histogram.sum(), 0.0
     for k in range(len(histogram)):
         if histogram[k] and below + histogram[k] >= goal:
-            return k + (goal - below) / histogram[k]
+            return float(k + (goal - below) / histogram[k])
         below += histogram[k]
     return 0.0
 

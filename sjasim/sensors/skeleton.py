@@ -146,7 +146,8 @@ class SkeletonEstimator:
         """Predicted joints, or those of anybody for somebody new."""
         if person.frames:
             return person.joints
-        return posture.from_body(self._model.mean, 0.0) + [person.place[0], 0.0, person.place[1]]
+        offset = np.array([person.place[0], 0.0, person.place[1]])
+        return np.asarray(posture.from_body(self._model.mean, 0.0) + offset)
 
     def _recognise(self, interval_s: float) -> None:
         persons, fx = self._persons, self._intrinsics.fx
@@ -163,6 +164,7 @@ class SkeletonEstimator:
         turned = yaw_votes(self._scene, self._model, strides(body[:, 0], TURNING), fx, rows)
         for person, votes, row in zip(persons, turned, rows, strict=True):
             person.turn(votes, interval_s)
+            row[:2] = person.steady(row[:2], interval_s)
             person.width += 0.1 * (float(row[2]) - person.width)
             row[2], row[4], row[5] = person.width, math.cos(person.yaw_rad), math.sin(person.yaw_rad)
         prior = np.array([person.joints for person in persons])

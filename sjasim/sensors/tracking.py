@@ -40,7 +40,11 @@ YAW_S, YAW_ASTRAY_RAD, YAW_ASTRAY_S = 0.25, math.radians(60.0), 0.08
 only one of them can be right: the forest, which does not remember its mistakes (assumed)."""
 OWN_YAW_RAD, OWN_YAW_S = math.radians(40.0), 0.08
 """The skeleton's own heading counts if it is so near, with this time constant (assumed)."""
-OWN_MOTION_S = 0.10
+SURFACE_S = 0.15
+"""Time constant of where the trunk's surface lies before its joints (assumed)."""
+COMMON_S = 0.05
+"""Time constant with which the trunk leaves its predicted motion; at constant speed this is no delay (assumed)."""
+OWN_MOTION_S = 0.20
 """Time constant with which a joint of the trunk leaves the motion that all of the trunk has in common: what they
 share shakes less than each (assumed)."""
 CROWN = 0.965
@@ -77,6 +81,7 @@ class Person:
         yaw_rad: heading relative to facing the sensor; NaN while it is not known.
         scale: stature over 1.75 m; 0 while it is not known.
         width: of the chest, over the scale [m].
+        surface: (2,) from the place to the middle of the trunk's surface, steadied [m].
         frames: in how many frames the person was seen.
         missing_s: since when not.
         joints: (25, 3) last joints, NaN before the first.
@@ -90,6 +95,7 @@ class Person:
     yaw_rad: float = math.nan
     scale: float = 0.0
     width: float = 0.0
+    surface: Array = field(default_factory=lambda: np.full(2, np.nan))
     frames: int = 0
     missing_s: float = 0.0
     joints: Array = field(default_factory=lambda: np.full((len(JOINTS), 3), np.nan))
@@ -118,6 +124,14 @@ class Person:
             self.scale += blend(interval_s, RISE_S) * (seen - self.scale)
         elif seen > HIDDEN_SHARE * self.scale:
             self.scale += blend(interval_s, SINK_S) * (seen - self.scale)
+
+    def steady(self, middle: Array, interval_s: float) -> Array:
+        """Where the forests are told that the trunk's surface (2,) is: a middle that shook would shake every joint."""
+        off = middle - self.place
+        if math.isnan(self.surface[0]):
+            self.surface = off
+        self.surface = self.surface + blend(interval_s, SURFACE_S) * (off - self.surface)
+        return np.asarray(self.place + self.surface)
 
     def turn(self, votes: Array, interval_s: float) -> None:
         """Take in what the forest says of the yaw: sums of cosine and sine."""
@@ -171,7 +185,7 @@ class Person:
         self.carry[off < 0.002] = 0.0
         steady = posture.TRUNK[kept[posture.TRUNK]]
         joints = np.nan_to_num(joints) + self.carry
-        common = before[steady] + moved
+        common = before[steady] + blend(interval_s, COMMON_S) * moved
         joints[steady] = common + blend(interval_s, OWN_MOTION_S) * (joints[steady] - common)
         self.joints = np.where(seen[:, None], joints, hidden)
         self.state = np.where(seen & (off < SETTLED_M), TRACKED, INFERRED).astype(np.int8)

@@ -42,7 +42,7 @@ def _probe(image: Image, v: int, u: int, z: float, left: float, up: float) -> fl
     row, column = v - (int(up + 4096.5) - 4096), u + (int(left + 4096.5) - 4096)
     if row < 0 or row >= image.shape[0] or column < 0 or column >= image.shape[1]:
         return CLIP_M
-    return min(max(image[row, column] - z, -CLIP_M), CLIP_M)
+    return float(min(max(image[row, column] - z, -CLIP_M), CLIP_M))
 
 
 @njit(cache=True, error_model="numpy")
@@ -50,16 +50,16 @@ def _extra(k: int, p: Points, person: Column) -> float:
     """Features beyond the probes, in the order that `model.EXTRAS` tells."""
     scale = person[3]
     if k == 0:
-        return p[1] / scale
+        return float(p[1] / scale)
     x, z = (p[0] - person[0]) / scale, (p[2] - person[1]) / scale
     if k <= 2:
-        return x if k == 1 else z
+        return float(x if k == 1 else z)
     if k <= 4:
-        return person[2] if k == 3 else scale
+        return float(person[2] if k == 3 else scale)
     cos, sin = person[4], person[5]
     if k <= 6:
-        return -sin * x - cos * z if k == 5 else -cos * x + sin * z
-    return cos if k == 7 else sin
+        return float(-sin * x - cos * z if k == 5 else -cos * x + sin * z)
+    return float(cos if k == 7 else sin)
 
 
 @njit(cache=True, error_model="numpy")
@@ -97,7 +97,9 @@ def _answers(
             out[q, len(probes) + k] = _extra(k, point[i], person)
 
 
-def answers(scene: Foreground, rows: NDArray[np.int64], probes: NDArray[np.float32], fx: float, person: Array) -> Points:
+def answers(
+    scene: Foreground, rows: NDArray[np.int64], probes: NDArray[np.float32], fx: float, person: Array
+) -> Points:
     """All features of some points, for training.
 
     Args:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ..clock import stream
 from ..errors import SjasimError
 from ..sensors.model import MILLI, YAW_EXTRAS
-from ..types import Array
 from .samples import Samples
 
 VOTES = 6
@@ -111,13 +110,13 @@ def grow_yaw(samples: Samples, growth: Growth, seed: int) -> tuple[Grown, NDArra
 
 
 def leaf_votes(samples: Samples, grown: Grown) -> tuple[NDArray[np.int8], NDArray[np.int16], NDArray[np.uint8]]:
-    """What each leaf of the joints' forest says: its surest joints, median offsets, spreads, as the model stores them."""
+    """What each leaf of the joints' forest says: its surest joints, their median offsets and spreads."""
     joint = np.zeros((grown.leaves, VOTES), np.int8)
     offset = np.zeros((grown.leaves, VOTES, 3), np.int16)
     spread = np.full((grown.leaves, VOTES), 255, np.uint8)
     for leaf in grown.leaf:
         order = np.argsort(leaf, kind="stable")
-        ends = np.flatnonzero(np.diff(leaf[order], append=-1)) + 1
+        ends = (np.flatnonzero(np.diff(leaf[order], append=-1)) + 1).tolist()
         begin = 0
         for end in ends:
             members = order[begin:end]
@@ -134,18 +133,18 @@ def leaf_votes(samples: Samples, grown: Grown) -> tuple[NDArray[np.int8], NDArra
 
 def _unravel(ensemble: Any, features: NDArray[np.float32]) -> Grown:
     """All trees' nodes in one row, leaves numbered through."""
-    parts: list[tuple[Array, ...]] = []
+    parts: list[tuple[NDArray[Any], ...]] = []
     roots, leaf_of = [], []
-    base = leaves = 0
+    base, leaves = 0, 0
     for estimator in ensemble.estimators_:
         tree = estimator.tree_
         ends = tree.children_left < 0
-        number = np.cumsum(ends) - 1 + leaves
+        number = np.cumsum(ends) + (leaves - 1)
         left = np.where(ends, -1 - number, tree.children_left + base)
         parts.append((np.maximum(tree.feature, 0), tree.threshold, left, np.where(ends, 0, tree.children_right + base)))
         leaf_of.append(number[tree.apply(features)])
         roots.append(base)
-        base, leaves = base + tree.node_count, leaves + int(ends.sum())
+        base, leaves = base + int(tree.node_count), leaves + int(ends.sum())
     feature, threshold, left, right = (np.concatenate(column) for column in zip(*parts, strict=True))
     if base > np.iinfo(np.int16).max:
         raise SjasimError(f"{base} nodes do not fit the model's int16; grow fewer leaves")

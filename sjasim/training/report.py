@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..config import DetectorConfig, SensorConfig
@@ -54,7 +55,8 @@ def errors(outcomes: Iterable[Outcome]) -> dict[str, float]:
 def by_joint(outcomes: Iterable[Outcome]) -> dict[str, tuple[float, float, float]]:
     """Joint -> median and p95 error where visible [cm], share tracked."""
     outcomes = list(outcomes)
-    error = np.concatenate([np.linalg.norm(one.found - one.true, axis=3)[WARM_FRAMES:].reshape(-1, 25) for one in outcomes])
+    away = [np.linalg.norm(one.found - one.true, axis=3)[WARM_FRAMES:] for one in outcomes]
+    error = np.concatenate([one.reshape(-1, 25) for one in away])
     visible = np.concatenate([one.visible[WARM_FRAMES:].reshape(-1, 25) for one in outcomes])
     state = np.concatenate([one.state[WARM_FRAMES:].reshape(-1, 25) for one in outcomes])
     out = {}
@@ -68,7 +70,7 @@ def by_joint(outcomes: Iterable[Outcome]) -> dict[str, tuple[float, float, float
 
 
 def jitter_cm(outcomes: Iterable[Outcome]) -> tuple[float, float]:
-    """Standard deviation, by median over dancers, of SpineBase's depth error from frame to frame, and of early joints."""
+    """Frame-to-frame s.d. of the depth error, median over visible dancers: SpineBase, and the early events' joints."""
     rows: list[float] = []
     upper: list[float] = []
     names = [JOINT_INDEX[name] for name in ("SpineMid", "Neck", "ShoulderLeft", "ShoulderRight")]
@@ -118,14 +120,14 @@ class Tally:
         return round(1000 * float(np.percentile(self.off_s, 95)), 1) if self.off_s else math.nan
 
 
-def detected(joints: Array, state: Array) -> list[DeviceEvent]:
+def detected(joints: Array, state: NDArray[np.int8]) -> list[DeviceEvent]:
     """Events of one person's skeletons (T, 25, 3) and states (T, 25), by the clients' own detectors."""
     detectors = Detectors(DetectorConfig(), SensorConfig().rate_hz)
     persons = np.zeros(1, dtype=np.int64)
     out: list[DeviceEvent] = []
     for tick in range(len(joints)):
         t_s = tick / RATE_HZ
-        skeletons = Skeletons(persons, joints[tick][None], state[tick][None].astype(np.int8))
+        skeletons = Skeletons(persons, joints[tick][None], state[tick][None])
         out += detectors.update(SkeletonFrame("north", t_s, t_s, t_s, skeletons))
     return out
 
@@ -139,7 +141,7 @@ def events(outcomes: Iterable[Outcome], *, hidden: bool = False) -> dict[str, Ta
     for one in outcomes:
         for k in range(one.true.shape[1]):
             part = slice(WARM_FRAMES, None)
-            true = detected(one.true[part, k], np.full(one.state[part, k].shape, TRACKED))
+            true = detected(one.true[part, k], np.full(one.state[part, k].shape, TRACKED, np.int8))
             found = detected(one.found[part, k], one.state[part, k])
             torso = one.visible[part, k, _BASE].mean() > SEEN_SHARE
             hands = one.visible[part, k][:, _HANDS].mean() > SEEN_SHARE

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,7 +139,7 @@ def gather(
         name: of the random stream.
     """
     watcher, rng = Watcher(seed, name), stream(seed, "training", name, "pixels")
-    parts: list[tuple[Array, ...]] = []
+    parts: list[tuple[NDArray[Any], ...]] = []
     for mount, scene in scenes:
         seen = watcher.see(mount, scene)
         count = seen.scene.count

@@ -72,13 +72,17 @@ def dance(rng: np.random.Generator, name: str, length_s: float = PLAN_S) -> list
 
 
 def planned(
-    body: Anatomy, cues: list[Cue], length_s: float = PLAN_S, turn_rad: float = math.pi / 2, slot: Array | None = None,
+    body: Anatomy,
+    cues: list[Cue],
+    length_s: float = PLAN_S,
+    *,
+    slot: Array | None = None,
     heading_rad: float = 0.0,
-) -> Reference:  # fmt: skip
+) -> Reference:
     """The motion of one dancer on a grid of 30 Hz."""
     reference = Reference.empty(1, round(length_s * RATE_HZ)).of(0)
     at = np.zeros(2) if slot is None else slot
-    planner = Planner(body, at, heading_rad, 0.5, turn_rad, RATE_HZ, reference)
+    planner = Planner(body, at, heading_rad, 0.5, math.pi / 2, RATE_HZ, reference)
     planner.extend(cues, 0.0)
     return reference
 

@@ -6,7 +6,7 @@ import dataclasses
 import json
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class Recipe:
     pixels: int = 110
     probes: int = 200
     seed: int = 0
-    growth: Growth = Growth()
+    growth: Growth = field(default_factory=Growth)
 
 
 SMALL = Recipe(scenes=260, tuning=80, postures=1000, growth=Growth(leaves=2000, yaw_leaves=600))

@@ -82,7 +82,7 @@ def mean_posture(scenes: Iterable[tuple[Mount, Scene]]) -> NDArray[np.float16]:
         yaw = scene.yaw_rad
         persons = np.stack([yaw, yaw, yaw, scene.stature_m / 1.75, np.cos(yaw), np.sin(yaw)], axis=1)
         rows.append(in_body(joints, np.repeat(persons[:, None], len(JOINTS), axis=1)))
-    return np.concatenate(rows).mean(axis=0).astype(np.float16)
+    return np.asarray(np.concatenate(rows).mean(axis=0), dtype=np.float16)
 
 
 def thresholds(found: Estimates) -> NDArray[np.float32]:
@@ -118,7 +118,7 @@ def regress(scenes: Iterable[tuple[Mount, Scene]], mean: Array, seed: int) -> ND
             body = posture.towards_body(true - [place[0], 0.0, place[1]], tracked_yaw) / scale - mean
             goals.append(body.ravel())
     x, y = np.array(rows), np.array(goals)
-    return np.linalg.solve(x.T @ x + RIDGE * np.eye(x.shape[1]), x.T @ y).astype(np.float16)
+    return np.asarray(np.linalg.solve(x.T @ x + RIDGE * np.eye(x.shape[1]), x.T @ y), dtype=np.float16)
 
 
 def points(mount: Mount, scene: Scene) -> Array:
