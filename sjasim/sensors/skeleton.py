@@ -23,7 +23,7 @@ from .votes import Votes, yaw_votes
 
 MOST_PERSONS = 6
 """A Kinect v2 follows six; who comes later is not tracked."""
-VOTING, TURNING = 450, 120
+VOTING, TURNING = 360, 90
 """Points of a person that vote for joints and for the yaw."""
 LEAST_M2 = 0.02
 """Surface of a person that must be seen (assumed)."""

@@ -42,11 +42,11 @@ OWN_YAW_RAD, OWN_YAW_S = math.radians(40.0), 0.08
 """The skeleton's own heading counts if it is so near, with this time constant (assumed)."""
 SURFACE_S = 0.15
 """Time constant of where the trunk's surface lies before its joints (assumed)."""
-COMMON_S = 0.05
+COMMON_S = 0.08
 """Time constant with which the trunk leaves its predicted motion; at constant speed this is no delay (assumed)."""
-OWN_MOTION_S = 0.20
-"""Time constant with which a joint of the trunk leaves the motion that all of the trunk has in common: what they
-share shakes less than each (assumed)."""
+OWN_MOTION_S, SPIN_S, SPIN_RAD_S = 0.40, 0.15, 0.4
+"""Time constant with which a joint of the trunk leaves the motion that all of the trunk has in common, which shakes
+less than each: shorter the faster the person turns, by a rate smoothed with the second (assumed)."""
 CROWN = 0.965
 """Height of the crown over stature, as pixels show it standing."""
 STATURE_M = (1.35, 2.10)
@@ -79,6 +79,8 @@ class Person:
         place: (2,) x and z of the trunk.
         velocity: (2,) its rate [m/s].
         yaw_rad: heading relative to facing the sensor; NaN while it is not known.
+        facing_rad: the yaw at the end of the last frame; NaN before the first.
+        spin: its smoothed rate [rad/s].
         scale: stature over 1.75 m; 0 while it is not known.
         width: of the chest, over the scale [m].
         surface: (2,) from the place to the middle of the trunk's surface, steadied [m].
@@ -93,6 +95,8 @@ class Person:
     place: Array
     velocity: Array = field(default_factory=lambda: np.zeros(2))
     yaw_rad: float = math.nan
+    facing_rad: float = math.nan
+    spin: float = 0.0
     scale: float = 0.0
     width: float = 0.0
     surface: Array = field(default_factory=lambda: np.full(2, np.nan))
@@ -164,7 +168,9 @@ class Person:
             mean: (25, 3) mean posture.
             interval_s: since the last frame.
         """
+        before_rad = self.facing_rad
         self._face(posture.heading(joints, seen), interval_s)
+        self._spin(before_rad, interval_s)
         row = posture.features(np.nan_to_num(joints), seen, mean, self.yaw_rad, self.scale, self.width)
         if row is None:
             self.lose(interval_s)
@@ -186,7 +192,9 @@ class Person:
         steady = posture.TRUNK[kept[posture.TRUNK]]
         joints = np.nan_to_num(joints) + self.carry
         common = before[steady] + blend(interval_s, COMMON_S) * moved
-        joints[steady] = common + blend(interval_s, OWN_MOTION_S) * (joints[steady] - common)
+        joints[steady] = common + blend(interval_s, OWN_MOTION_S / (1.0 + (self.spin / SPIN_RAD_S) ** 2)) * (
+            joints[steady] - common
+        )
         self.joints = np.where(seen[:, None], joints, hidden)
         self.state = np.where(seen & (off < SETTLED_M), TRACKED, INFERRED).astype(np.int8)
         self._go(interval_s)
@@ -196,6 +204,12 @@ class Person:
         off = wrapped(yaw_rad - self.yaw_rad) if not math.isnan(yaw_rad) else math.inf
         if abs(off) < OWN_YAW_RAD:
             self.yaw_rad = wrapped(self.yaw_rad + blend(interval_s, OWN_YAW_S) * off)
+
+    def _spin(self, before_rad: float, interval_s: float) -> None:
+        self.facing_rad = self.yaw_rad
+        if interval_s > 0.0 and not math.isnan(before_rad):
+            rate = wrapped(self.yaw_rad - before_rad) / interval_s
+            self.spin += blend(interval_s, SPIN_S) * (rate - self.spin)
 
     def _moved(self, joints: Array, before: Array, kept: NDArray[np.bool_]) -> Array:
         """(3,) what the trunk still goes beyond its prediction."""

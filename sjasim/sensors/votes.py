@@ -19,7 +19,7 @@ from .segmentation import Foreground, Image, Owners, Pixels, Points
 
 CLIP_M = 0.6
 """Depth differences beyond this say only: something else, before or behind (assumed)."""
-BANDWIDTHS_M = (0.25, 0.12, 0.07, 0.05)
+BANDWIDTHS_M = (0.22, 0.09, 0.05)
 """Of the mean shift, one for every step (assumed)."""
 FLOOR_SPREAD_M = 0.03
 """Added to a vote's spread before it becomes a weight (assumed)."""

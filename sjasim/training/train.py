@@ -35,7 +35,7 @@ class Recipe:
 
     scenes: int = 1400
     tuning: int = 250
-    postures: int = 3000
+    postures: int = 1500
     pixels: int = 110
     probes: int = 200
     seed: int = 0
