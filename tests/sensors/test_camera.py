@@ -11,6 +11,7 @@ import pytest
 from sjasim.choreography.layout import layout
 from sjasim.config import RoomConfig, SensorConfig
 from sjasim.sensors.camera import Camera, Intrinsics
+from sjasim.training.trials import Trial, stage_dance
 from sjasim.types import Geoms
 
 NORTH = layout("square", 3, RoomConfig(), SensorConfig()).mounts[0]
@@ -107,3 +108,19 @@ def test_what_lies_behind_or_before_nothing_is_not_seen():
     assert (seen.geom == -1).all()
     assert np.isinf(seen.depth_m).all()
     assert not seen.incidence.any()
+
+
+def test_dancers_and_robot_on_a_stage_are_seen_as_the_stages_own_rays_see_them():
+    view, room = stage_dance(Trial(5, 4.0))
+    intrinsics = Intrinsics.of(256, *FOV)
+    seen = Camera(room.mounts[0], intrinsics).picture(view.geoms)
+    directions = rays(intrinsics)
+    length = np.linalg.norm(directions, axis=2)
+    rows, columns = np.nonzero(seen.depth_m * length < 9.9)
+    part = slice(None, None, 7)
+    rows, columns = rows[part], columns[part]
+    unit = directions[rows, columns] / length[rows, columns, None]
+    distance, owner = view.first_hits(NORTH.position, np.ascontiguousarray(unit))
+    assert np.abs(seen.depth_m[rows, columns] * length[rows, columns] - distance).max() < 1e-6
+    assert (view.geoms.owner[seen.geom[rows, columns]] == owner).all()
+    assert set(owner) == {-1, 0, 1, 2}
