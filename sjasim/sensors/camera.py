@@ -204,10 +204,8 @@ def _bounds(
     height, width = shape
     middle_u, middle_v = (width - 1) / 2, (height - 1) / 2
     half, radius = 0.0, size[0]
-    if form == CAPSULE:
+    if form in (CAPSULE, CYLINDER):  # a capsule holds the cylinder between its ends
         half = size[1]
-    elif form == CYLINDER:
-        radius = math.sqrt(size[0] ** 2 + size[1] ** 2)
     elif form == BOX:
         radius = math.sqrt(size[0] ** 2 + size[1] ** 2 + size[2] ** 2)
     elif form == ELLIPSOID:
