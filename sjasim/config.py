@@ -192,7 +192,7 @@ class RobotConfig:
 
 @dataclass(frozen=True, slots=True)
 class SensorConfig:
-    """Four Kinect v2 sensors and the error of their skeletons under ``joints`` sensing.
+    """Four Kinect v2 sensors; their images under ``depth`` sensing, the error of their skeletons under ``joints``.
 
     Attributes:
         rate_hz: frame rate.
@@ -203,6 +203,7 @@ class SensorConfig:
         min_range_m: nearest tracked person.
         max_range_m: farthest tracked person.
         frame_loss: probability that a frame is never delivered.
+        width_px: columns of a depth image: 512 (512 x 424) or 256 (256 x 212).
         bias_m: standard deviation of a joint's constant error, per axis (measured on depth skeletons).
         drift_m: standard deviation of the slowly varying error of a tracked joint, per axis.
         drift_correlation: correlation of that error between frames; with ``drift_m`` gives .14 cm from frame to frame.
@@ -218,6 +219,7 @@ class SensorConfig:
     min_range_m: float = 0.5
     max_range_m: float = 4.5
     frame_loss: float = 0.0
+    width_px: int = 256
     bias_m: float = 0.008
     drift_m: float = 0.010
     drift_correlation: float = 0.99
@@ -233,6 +235,8 @@ class SensorConfig:
         _within("sensors.min_range_m", self.min_range_m, 0.0, 2.0)
         _within("sensors.max_range_m", self.max_range_m, 2.0, 20.0)
         _within("sensors.frame_loss", self.frame_loss, 0.0, 0.9)
+        if self.width_px not in (256, 512):
+            raise ConfigError("sensors.width_px", self.width_px, "256 or 512")
         _within("sensors.bias_m", self.bias_m, 0.0, 0.2)
         _within("sensors.drift_m", self.drift_m, 0.0, 0.2)
         _within("sensors.drift_correlation", self.drift_correlation, 0.0, 0.9999)
@@ -392,7 +396,7 @@ class SessionConfig:
         method: anticipation method: a registered name, module:Class, or ``none`` for humans only.
         humans: preset of the human timing model.
         fidelity: ``physics``.
-        sensing: ``joints``.
+        sensing: where skeletons come from: ``joints`` (the truth with errors) or ``depth`` (depth images).
         iterations: how many iterations are danced after the rehearsal.
         layout: ``square``, ``rows`` or ``custom``.
         seed: of everything random in the session.

@@ -76,14 +76,15 @@ class Ledger:
         Args:
             joints_m: (D, 25, 3) true joints [m].
             visible: (P, 25) what the sensor that is faced could see; None if it does not watch.
-            dancers: (P,) the dancer behind each of its rows.
+            dancers: (P,) the dancer behind each of its rows, -1 for nobody.
         """
         frame = self._frames
         if frame >= len(self._joints):
             return
         self._joints[frame] = joints_m
-        if visible is not None:
-            self._visible[frame, dancers] = visible
+        if visible is not None and dancers is not None:
+            known = dancers >= 0
+            self._visible[frame, dancers[known]] = visible[known]
             self._watched[frame] = True
         self._frames += 1
 

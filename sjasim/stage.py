@@ -27,7 +27,7 @@ from .humans.anatomy import Anatomy
 from .humans.body import dancer_spec
 from .rays import hidden
 from .robot.body import robot_spec
-from .types import Array, BoolArray, DancerStates, IntArray, JointTargets, Servos, WheelCommand, WheelReading
+from .types import Array, BoolArray, DancerStates, Geoms, IntArray, JointTargets, Servos, WheelCommand, WheelReading
 
 _FLOOR = (0.74, 0.72, 0.69), (0.66, 0.64, 0.61)
 _SKY = (0.80, 0.86, 0.92), (0.97, 0.97, 0.96)
@@ -162,6 +162,8 @@ class Stage:
         self._kinds = m.geom_type.astype(np.int64)
         self._sizes, self._bounds = m.geom_size, m.geom_rbound
         self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
+        self._form, self._size = self._kinds[self._solid], m.geom_size[self._solid]
+        self._solid_owner = owner[self._solid]
         if self.has_robot:
             self._base = m.body(f"{ROBOT_PREFIX}base").id
             self._wheels = [m.actuator(f"{ROBOT_PREFIX}{name}").id for name in ("wheel_l", "wheel_r")]
@@ -190,6 +192,24 @@ class Stage:
             d.ctrl[self._tether[:, :2]] = pelvises[:, :2]
             d.ctrl[self._tether[:, 2]] = heading_rad
         mujoco.mj_forward(self.model, d)
+
+    def pose(self, joints: Array, roots: Array, robot: tuple[float, float, float] | None = None) -> None:
+        """Put everyone in a posture without physics, for pictures of bodies that need not balance.
+
+        Args:
+            joints: (D, 25) hinge angles [rad].
+            roots: (D, 6) pelvis x, y, z [m], yaw, pitch, roll [rad].
+            robot: its position and heading [m, m, rad]; None leaves it where it is.
+        """
+        d = self.data
+        d.qpos[self._hinges] = joints
+        d.qpos[self._root] = roots
+        if robot is not None and self.has_robot:
+            address = self.model.joint(f"{ROBOT_PREFIX}root").qposadr[0]
+            d.qpos[address : address + 2] = robot[:2]
+            d.qpos[address + 3 : address + 7] = [np.cos(robot[2] / 2), 0.0, 0.0, np.sin(robot[2] / 2)]
+        mujoco.mj_kinematics(self.model, d)
+        self._joints_tick = -1
 
     @property
     def time_s(self) -> float:
@@ -257,6 +277,12 @@ class Stage:
     def yaw_rad(self) -> Array:
         """(D,) true headings of the pelvises [rad]."""
         return np.asarray(self._qpos.take(self._root[:, 3]))
+
+    @property
+    def geoms(self) -> Geoms:
+        """Everything visible, at this instant; see `types.StageView`."""
+        rotation = self._rotations[self._solid].reshape(-1, 3, 3)
+        return Geoms(self._form, self._size, self._positions[self._solid], rotation, self._solid_owner)
 
     def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: float) -> BoolArray:
         """Which points (N, 3) something hides from an eye; see `types.StageView`."""

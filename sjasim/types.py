@@ -160,6 +160,25 @@ class Servos:
     leg: Array
 
 
+@dataclass(frozen=True, slots=True)
+class Geoms:
+    """The primitives that a stage consists of, at one instant: all that light would meet.
+
+    Attributes:
+        form: (G,) 0 plane, 2 sphere, 3 capsule, 4 ellipsoid, 5 cylinder, 6 box, as MuJoCo numbers them.
+        size_m: (G, 3) as MuJoCo means it: radius, then half the length; semi-axes; half edges.
+        position_m: (G, 3) centres in the world.
+        rotation: (G, 3, 3) world from geom; the third axis is a plane's normal, a capsule's and cylinder's axis.
+        owner: (G,) the dancer's index; -1 for anything else: floor, robot.
+    """
+
+    form: IntArray
+    size_m: Array
+    position_m: Array
+    rotation: Array
+    owner: IntArray
+
+
 class StageView(Protocol):
     """Read-only sight of the stage that sensors get; a scripted one tests them without physics."""
 
@@ -176,6 +195,11 @@ class StageView(Protocol):
     @property
     def yaw_rad(self) -> Array:
         """(D,) true headings of the pelvises [rad], 0 along world x, counter-clockwise."""
+        ...
+
+    @property
+    def geoms(self) -> Geoms:
+        """Everything that can be seen, at this instant."""
         ...
 
     def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: float) -> BoolArray:

@@ -37,12 +37,19 @@ _ROUNDING_S = 1e-9
 class Sensing(Protocol):
     """A way to get skeletons from the stage, such as `joints.JointsSensing`.
 
-    ``dancers`` (P,) and ``visible`` (P, 25), who is behind each row and what the last frame could see, are for the
-    record only; no client reads them.
+    ``dancers`` (P,) and ``visible`` (P, 25), who is behind each row (-1 for nobody) and what the last frame could
+    see, are for the record only; no client reads them.
     """
 
-    dancers: IntArray
-    visible: NDArray[np.bool_]
+    @property
+    def dancers(self) -> IntArray:
+        """(P,) index of the dancer behind each row, -1 for nobody."""
+        ...
+
+    @property
+    def visible(self) -> NDArray[np.bool_]:
+        """(P, 25) what the last frame could see of them."""
+        ...
 
     def sample(self, view: StageView) -> Skeletons | None:
         """See the stage at this instant; None if the frame was lost."""

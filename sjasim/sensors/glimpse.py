@@ -107,7 +107,7 @@ def places(joints: Array) -> list[Places]:
     Returns:
         one value for each of the P persons.
     """
-    rows = joints.reshape(len(joints), -1).take(_PLACES, axis=1).tolist()
+    rows = joints.reshape(len(joints), 3 * len(JOINT_INDEX)).take(_PLACES, axis=1).tolist()
     return [Places._make(row) for row in rows]
 
 

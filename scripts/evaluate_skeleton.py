@@ -1,0 +1,88 @@
+"""Measure depth sensing on bodies, seeds and layouts that its training never saw; a table, or JSON.
+
+python scripts/evaluate_skeleton.py --dances 4
+python scripts/evaluate_skeleton.py --only facing yaw_90 --json
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from typing import Any
+
+import numpy as np
+
+from sjasim.training import report, trials
+from sjasim.training.crossings import crossings, eclipses
+from sjasim.training.trials import Trial
+
+CONDITIONS: dict[str, dict[str, Any]] = {
+    "facing": {},
+    "extreme_builds": {"edge": True},
+    "yaw_45": {"facing_rad": math.radians(45)},
+    "yaw_-45": {"facing_rad": math.radians(-45)},
+    "yaw_90": {"facing_rad": math.radians(90)},
+    "yaw_-90": {"facing_rad": math.radians(-90)},
+    "behind": {"facing_rad": math.pi},
+    "turning": {"turns": True},
+    "aligned_rows": {"aligned": True},
+    "512_columns": {"width_px": 512},
+}
+"""Name -> what is special about its trials."""
+
+
+def figures(name: str, dances: int, seed: int) -> dict[str, Any]:
+    """All figures of one condition."""
+    outcomes = [trials.run(Trial(seed + index, **CONDITIONS[name])) for index in range(dances)]
+    base, upper = report.jitter_cm(outcomes)
+    tallies = {group: (t.expected, t.missed, t.false, t.p95_ms) for group, t in report.events(outcomes).items()}
+    hidden = report.events(outcomes, hidden=True)["claps"]
+    return {
+        **report.errors(outcomes),
+        "cpu_ms": 1000 * float(np.median(np.concatenate([one.cpu_s for one in outcomes]))),
+        "jitter_base_cm": base,
+        "jitter_upper_cm": upper,
+        "events": {group: dict(zip(("expected", "missed", "false", "p95_ms"), row, strict=True))
+                   for group, row in tallies.items()},
+        "hidden_claps": {"expected": hidden.expected, "missed": hidden.missed},
+        **report.identity(outcomes),
+    }  # fmt: skip
+
+
+def show(name: str, row: dict[str, Any]) -> None:
+    """One condition, in two lines."""
+    print(
+        f"{name:15s} median {row['median_cm']:.2f} p95 {row['p95_cm']:.1f} cm, tracked {row['tracked']:.1%}, "
+        f"swapped {row['swapped']:.2%}, SpineBase {row['jitter_base_cm']:.3f} cm, {row['cpu_ms']:.1f} ms"
+    )
+    parts = [f"{group} {t['missed']} missed {t['false']} false of {t['expected']} (p95 {t['p95_ms']} ms)"
+             for group, t in row["events"].items()]  # fmt: skip
+    hidden = row["hidden_claps"]
+    print(f"{'':15s} {'; '.join(parts)}; hidden claps missed {hidden['missed']} of {hidden['expected']}")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="Figures of depth sensing.")
+    parser.add_argument("--dances", type=int, default=4, help="per condition")
+    parser.add_argument("--seed", type=int, default=5000, help="of the first dance")
+    parser.add_argument("--only", nargs="*", choices=[*CONDITIONS, "crossings"], help="some conditions")
+    parser.add_argument("--json", action="store_true", help="JSON, and nothing else, on stdout")
+    options = parser.parse_args()
+    wanted = options.only or [*CONDITIONS, "crossings"]
+    rows: dict[str, Any] = {}
+    for name in wanted:
+        if name == "crossings":
+            rows[name] = {"crossings": crossings(options.seed), "eclipses": eclipses(options.seed)}
+        else:
+            rows[name] = figures(name, options.dances, options.seed)
+        if not options.json:
+            print(f"{name:15s} {rows[name]}") if name == "crossings" else show(name, rows[name])
+    if options.json:
+        print(json.dumps({"schema": 1, "seed": options.seed, "dances": options.dances, "figures": rows}, indent=1))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,133 @@
+"""Depth sensing: what a sensor makes of the stage with nothing but its depth images."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assets.names import JOINT_INDEX, JOINTS
+from ..choreography.layout import Mount
+from ..config import SensorConfig
+from ..registry import register
+from ..types import Array, Geoms, IntArray, Skeletons, StageView
+from . import noise
+from .camera import Camera, Intrinsics, Picture
+from .joints import FLESH_M
+from .skeleton import SkeletonEstimator
+
+BoolArray = NDArray[np.bool_]
+
+NOT_A_DANCER = -1
+OWN_M = 0.60
+"""A person farther than this from every dancer is nobody (for the record only)."""
+_BASE = JOINT_INDEX["SpineBase"]
+
+
+@register("sensing", "depth")
+class DepthSensing:
+    """One sensor's skeletons from simulated depth images.
+
+    A frame is exact depth, made as bad as a Kinect v2's, and handed to a `SkeletonEstimator`; nothing of the truth
+    reaches that. Only ``dancers`` and ``visible`` look at the truth, when the record asks for them.
+
+    Args:
+        mount: where the sensor is.
+        config: resolution, field of view, range, loss.
+        group: number of dancers; the sensor does not use it.
+        rng: the sensor's own random stream.
+    """
+
+    def __init__(self, mount: Mount, config: SensorConfig, group: int, rng: np.random.Generator) -> None:
+        self._noises, self._losses = rng.spawn(2)
+        self._mount = mount
+        self._config = config
+        self._group = group
+        self.intrinsics = Intrinsics.of(config.width_px, config.horizontal_fov_rad, config.vertical_fov_rad)
+        self._camera = Camera(mount, self.intrinsics)
+        self._last: _Last | None = None
+
+    @cached_property
+    def _estimator(self) -> SkeletonEstimator:
+        return SkeletonEstimator(self.intrinsics, float(self._mount.position[2]))
+
+    def frame(self, view: StageView) -> NDArray[np.uint16]:
+        """(H, W) depth image of this instant in whole millimetres, 0 where there is none."""
+        geoms = view.geoms
+        picture = self._camera.picture(geoms)
+        limits = (self._config.min_range_m, self._config.max_range_m)
+        self._last = _Last(self._mount, self.intrinsics, picture, geoms, np.array(view.joints_m))
+        return noise.sensed(picture, geoms.form, self.intrinsics.fx, limits, self._noises)
+
+    def sample(self, view: StageView) -> Skeletons | None:
+        """See the stage at this instant.
+
+        Args:
+            view: the stage; times of successive calls must not fall.
+
+        Returns:
+            the skeletons of everybody who is followed, or None if the frame was lost.
+        """
+        if self._config.frame_loss and self._losses.random() < self._config.frame_loss:
+            return None
+        depth_mm = self.frame(view)
+        skeletons = self._estimator.update(view.time_s, depth_mm)
+        assert self._last is not None
+        self._last.skeletons = skeletons
+        return skeletons
+
+    @property
+    def dancers(self) -> IntArray:
+        """(P,) index of the dancer behind each row of the last frame, -1 for nobody; only for the record."""
+        return self._last.dancers if self._last else np.zeros(0, dtype=np.int64)
+
+    @property
+    def visibility(self) -> BoolArray:
+        """(D, 25) which joints of every dancer the last frame could see, tracked or not; only for the record."""
+        assert self._last is not None, "no frame has been taken yet"
+        return self._last.visible
+
+    @property
+    def visible(self) -> BoolArray:
+        """(P, 25) which joints of those dancers the last frame could see; only for the record."""
+        if self._last is None:
+            return np.zeros((0, len(JOINTS)), dtype=bool)
+        seen = np.concatenate([self._last.visible, np.zeros((1, len(JOINTS)), dtype=bool)])
+        return seen[self._last.dancers]
+
+
+class _Last:
+    """The last frame's truth, looked at when somebody asks; valid until the camera's next picture."""
+
+    def __init__(self, mount: Mount, intrinsics: Intrinsics, picture: Picture, geoms: Geoms, joints_m: Array) -> None:
+        self._intrinsics = intrinsics
+        self._picture = picture
+        self._owner = geoms.owner
+        self._joints = (joints_m - mount.position) @ mount.world_from_sensor
+        self.skeletons: Skeletons | None = None
+
+    @cached_property
+    def dancers(self) -> IntArray:
+        """(P,) nearest dancer by SpineBase and trunk, -1 for nobody near."""
+        if self.skeletons is None or len(self.skeletons.persons) == 0 or len(self._joints) == 0:
+            return np.zeros(0 if self.skeletons is None else len(self.skeletons.persons), dtype=np.int64) - 1
+        base = self.skeletons.joints[:, _BASE][:, [0, 2]]
+        away = np.linalg.norm(base[:, None] - self._joints[None, :, _BASE][..., [0, 2]], axis=2)
+        away = np.where(np.isnan(away), np.inf, away)
+        nearest = away.argmin(axis=1)
+        return np.where(away.min(axis=1) < OWN_M, nearest, NOT_A_DANCER).astype(np.int64)
+
+    @cached_property
+    def visible(self) -> BoolArray:
+        """(D, 25) joints whose pixel shows nothing before them but their own dancer's flesh."""
+        x, y, z = np.moveaxis(self._joints, -1, 0)
+        pinhole, picture = self._intrinsics, self._picture
+        ahead = np.where(z > 0.05, z, np.inf)
+        column = np.rint((pinhole.width - 1) / 2 + pinhole.fx * x / ahead).astype(np.int64)
+        row = np.rint((pinhole.height - 1) / 2 - pinhole.fy * y / ahead).astype(np.int64)
+        inside = (column >= 0) & (column < pinhole.width) & (row >= 0) & (row < pinhole.height) & np.isfinite(ahead)
+        column, row = np.where(inside, column, 0), np.where(inside, row, 0)
+        geom, depth = picture.geom[row, column], picture.depth_m[row, column]
+        own = np.where(geom >= 0, self._owner[geom], -1) == np.arange(len(z))[:, None]
+        return np.asarray(inside & (depth >= z - FLESH_M * own))

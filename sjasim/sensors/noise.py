@@ -1,0 +1,168 @@
+"""What a Kinect v2 makes of exact depth: noise, mixed pixels, holes, limits, whole millimetres.
+
+Source: fankhauser2015, section IV (axial noise in depth and angle, lateral noise of 1.6 mm). Edges, grazing
+surfaces and the distance error's wiggle are reported in words elsewhere; their sizes here are assumed.
+
+Randomness is a hash of frame and pixel: no state, no tables, the same in every process. Floor that has only floor
+around it is handed on without noise: nothing uses it, because it is cut away some five standard deviations above.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..types import IntArray
+from .camera import PLANE, Picture
+
+LATERAL_M = 0.0016
+"""Standard deviation of where on the surface a pixel looks. Source: fankhauser2015."""
+EDGE_M = (0.06, 2.5)
+"""Steps in depth between neighbours at which pixels mix; farther ones are separable in phase (assumed)."""
+EDGE_LOST, EDGE_MIXED = 0.30, 0.25
+"""Share of pixels at such a step without depth, and with a depth between both surfaces (assumed)."""
+GRAZING_RAD, GRAZING_LOST = math.radians(85.0), 0.7
+"""Beyond this angle of incidence so many pixels have no depth (assumed)."""
+WIGGLE_M, WIGGLE_PERIOD_M = 0.003, 1.87
+"""Amplitude and period of the systematic distance error of continuous-wave time of flight (assumed)."""
+MOST_AXIAL_M = 0.04
+"""Bound of the axial standard deviation: beyond it a sensor gives no depth at all (assumed)."""
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
+_LOW = np.uint64(0xFFFF)
+
+
+@njit(cache=True)
+def _bits(key: np.uint64, count: int) -> np.uint64:
+    """64 random bits, a hash of both arguments (splitmix64's finaliser)."""
+    x = key + np.uint64(count + 1) * _GOLDEN
+    x = (x ^ (x >> np.uint64(30))) * _FIRST
+    x = (x ^ (x >> np.uint64(27))) * _SECOND
+    return x ^ (x >> np.uint64(31))
+
+
+@njit(cache=True)
+def _part(bits: np.uint64, which: int) -> float:
+    """One of four uniform numbers from 0 to 1 in 64 bits."""
+    return float((bits >> np.uint64(16 * which)) & _LOW) / 65536.0
+
+
+@njit(cache=True)
+def _normal(bits: np.uint64) -> float:
+    """A nearly normal number of variance 1: four uniform ones added; its tails end at 3.5."""
+    total = _part(bits, 0) + _part(bits, 1) + _part(bits, 2) + _part(bits, 3)
+    return float((total - 2.0) * 1.7320508075688772)
+
+
+@njit(cache=True)
+def axial_m(depth_m: float, incidence_rad: float) -> float:
+    """Standard deviation of depth at an angle of incidence [m].
+
+    Source: fankhauser2015, eq. (6), without its term for sunlight; at most `MOST_AXIAL_M`.
+    """
+    ratio = incidence_rad / (math.pi / 2 - incidence_rad)
+    slant = 0.1 * depth_m * math.sqrt(depth_m) * ratio * ratio
+    return min(0.001 * (1.5 - 0.5 * depth_m + 0.3 * depth_m * depth_m + slant), MOST_AXIAL_M)
+
+
+@njit(cache=True)
+def _solid(geom: NDArray[np.int16], flat: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(H + 2, W + 2) whether pixels show something that is no floor, with a frame of nothing around them."""
+    height, width = geom.shape
+    out = np.zeros((height + 2, width + 2), np.bool_)
+    for v in range(height):
+        for u in range(width):
+            g = geom[v, u]
+            out[v + 1, u + 1] = g >= 0 and not flat[g]
+    return out
+
+
+@njit(cache=True)
+def _edge(depth: NDArray[np.float64], v: int, u: int) -> float:
+    """Depth of the neighbour beyond the largest step in depth that can mix, 0 without one."""
+    height, width = depth.shape
+    own, other, most = depth[v, u], 0.0, EDGE_M[0]
+    for dv, du in ((0, 1), (1, 0), (0, -1), (-1, 0)):
+        near = depth[min(max(v + dv, 0), height - 1), min(max(u + du, 0), width - 1)]
+        step = abs(near - own)
+        if most < step < EDGE_M[1]:
+            other, most = near, step
+    return other
+
+
+@njit(cache=True)
+def _spoil(depth: NDArray[np.float64], facing: NDArray[np.float32], v: int, u: int, key: np.uint64, fx: float) -> float:
+    """Depth that the sensor reports for one pixel, 0 for none [m]."""
+    height, width = depth.shape
+    own = depth[v, u]
+    if own == np.inf:
+        return 0.0
+    chance = _bits(key, 3 * (v * width + u))
+    other = _edge(depth, v, u)
+    luck = _part(chance, 0)
+    if other > 0.0 and luck < EDGE_LOST:
+        return 0.0
+    aside = LATERAL_M * fx / own * 2.4494897427831781  # two uniform numbers have a variance of 1/6
+    row = min(max(v + round(aside * (_part(chance, 1) + _part(chance, 2) - 1.0)), 0), height - 1)
+    sideways = _bits(key, 3 * (v * width + u) + 1)
+    column = min(max(u + round(aside * (_part(sideways, 0) + _part(sideways, 1) - 1.0)), 0), width - 1)
+    seen = depth[row, column]
+    if seen == np.inf:
+        return 0.0
+    if other > 0.0 and luck < EDGE_LOST + EDGE_MIXED:
+        share = _part(chance, 3)
+        seen = share * own + (1.0 - share) * other
+    angle = math.acos(min(facing[row, column], 1.0))
+    if angle > GRAZING_RAD:
+        if _part(sideways, 2) < GRAZING_LOST:
+            return 0.0
+        angle = GRAZING_RAD
+    wiggle = WIGGLE_M * math.sin(2.0 * math.pi * seen / WIGGLE_PERIOD_M)
+    return float(seen + wiggle + axial_m(seen, angle) * _normal(_bits(key, 3 * (v * width + u) + 2)))
+
+
+@njit(cache=True)
+def _sense(
+    depth: NDArray[np.float64],
+    geom: NDArray[np.int16],
+    facing: NDArray[np.float32],
+    flat: NDArray[np.bool_],
+    key: np.uint64,
+    fx: float,
+    near: float,
+    far: float,
+    out: NDArray[np.uint16],
+) -> None:
+    solid = _solid(geom, flat)
+    for v in range(depth.shape[0]):
+        above, row, below = solid[v], solid[v + 1], solid[v + 2]
+        for u in range(depth.shape[1]):
+            seen = depth[v, u]
+            if above[u + 1] | below[u + 1] | row[u] | row[u + 1] | row[u + 2]:
+                seen = _spoil(depth, facing, v, u, key, fx)
+            out[v, u] = np.uint16(seen * 1000.0 + 0.5) if near <= seen <= far else np.uint16(0)
+
+
+def sensed(
+    picture: Picture, form: IntArray, fx: float, range_m: tuple[float, float], rng: np.random.Generator
+) -> NDArray[np.uint16]:
+    """The depth image that a sensor delivers.
+
+    Args:
+        picture: exact depth, geoms and incidence.
+        form: (G,) codes of the geoms.
+        fx: focal length over the width of a pixel.
+        range_m: nearest and farthest depth that the sensor gives.
+        rng: gives the frame's key.
+
+    Returns:
+        (H, W) depth in whole millimetres, 0 where there is none.
+    """
+    out = np.empty(picture.depth_m.shape, dtype=np.uint16)
+    key = np.uint64(rng.integers(0, 2**63))
+    near, far = range_m
+    _sense(picture.depth_m, picture.geom, picture.incidence, form == PLANE, key, fx, near, far, out)
+    return out

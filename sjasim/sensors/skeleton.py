@@ -1,0 +1,191 @@
+"""Depth frames to skeletons: persons found, told apart and followed, their joints voted for by a forest's leaves.
+
+Knows the sensor's height, its pinhole and a trained model; nothing else. The same frames give the same skeletons in
+any process.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assets.names import JOINT_INDEX, JOINTS
+from ..errors import SjasimError
+from ..types import NOT_TRACKED, Array, Skeletons
+from . import posture, segmentation, tracking
+from .camera import Intrinsics
+from .model import Model, default, unpacked
+from .segmentation import Foreground
+from .tracking import Person
+from .votes import Votes, yaw_votes
+
+MOST_PERSONS = 6
+"""A Kinect v2 follows six; who comes later is not tracked."""
+VOTING, TURNING = 360, 90
+"""Points of a person that vote for joints and for the yaw."""
+LEAST_M2 = 0.02
+"""Surface of a person that must be seen (assumed)."""
+STRANGER_M2 = 0.04
+"""The same at the height of the trunk for somebody new (assumed)."""
+OBJECT_M2 = 0.01
+"""The same for a low object (assumed)."""
+TOUCH_M = 0.16
+"""Hands closer than this may hide each other's surface (assumed)."""
+_LEFT, _RIGHT = (
+    [JOINT_INDEX[f"{name}{side}"] for name in ("Wrist", "Hand", "HandTip", "Thumb")] for side in ("Left", "Right")
+)
+LONGEST_S = 1.0
+"""A longer gap between frames counts as this long."""
+
+
+def unit_scale(stature_m: Array) -> Array:
+    """Stature over that of the model's person, 1.75 m."""
+    return stature_m / 1.75
+
+
+def person_rows(body: Array, scales: Array, yaws: Array) -> Array:
+    """(P, 6) what the forests are told of each person: x, z, width over scale, scale, cosine and sine of the yaw.
+
+    Args:
+        body: (P, 5) from `segmentation.measured`.
+        scales: (P,) stature over 1.75 m.
+        yaws: (P,) headings relative to facing the sensor [rad].
+    """
+    return np.stack([body[:, 1], body[:, 2], body[:, 4] / scales, scales, np.cos(yaws), np.sin(yaws)], axis=1)
+
+
+def strides(counts: Array, wanted: int) -> NDArray[np.int64]:
+    """One in so many of a person's points makes about as many as are wanted."""
+    return np.maximum(np.rint(counts / wanted), 1.0).astype(np.int64)
+
+
+def _join_hands(joints: Array, support: Array) -> None:
+    """Hands that touch show each only half of their surface: where one is seen, so is the other."""
+    left, right = support[:, _LEFT], support[:, _RIGHT]
+    apart = np.linalg.norm(joints[:, _LEFT] - joints[:, _RIGHT], axis=2)
+    shared = np.where(apart < TOUCH_M, np.maximum(left, right), 0.0)
+    support[:, _LEFT], support[:, _RIGHT] = np.maximum(left, shared), np.maximum(right, shared)
+
+
+class SkeletonEstimator:
+    """One sensor's skeletons from its depth frames.
+
+    Args:
+        intrinsics: the frames' pinhole.
+        height_m: of the sensor above the floor; it stands level.
+        model: the trained model; the package's own by default.
+    """
+
+    def __init__(self, intrinsics: Intrinsics, height_m: float, model: Model | None = None) -> None:
+        self._intrinsics = intrinsics
+        self._height_m = height_m
+        self._model = unpacked(model or default())
+        self._votes = Votes(self._model)
+        self._scene = Foreground.room(intrinsics)
+        self._per_pixel = 1.0 / (intrinsics.fx * intrinsics.fy)
+        self._persons: list[Person] = []
+        self._low = np.full(2, np.nan)
+        self._next = 0
+        self._t_s = math.nan
+
+    def update(self, t_s: float, depth_mm: NDArray[np.uint16]) -> Skeletons:
+        """Take a frame.
+
+        Args:
+            t_s: time of the frame on any clock that does not jump.
+            depth_mm: (H, W) depth in whole millimetres, 0 where there is none.
+
+        Returns:
+            everybody who is followed, whether in sight or not; joints of nobody are ever made up.
+
+        Raises:
+            SjasimError: the frame is not what this sensor delivers.
+        """
+        self._check(depth_mm)
+        interval_s = min(max(t_s - self._t_s, 0.0), LONGEST_S) if math.isfinite(self._t_s) else 0.0
+        self._t_s = t_s
+        segmentation.lift(depth_mm, self._intrinsics, self._height_m, self._scene)
+        for person in self._persons:
+            person.predict(interval_s)
+        self._separate()
+        self._recognise(interval_s)
+        gone = tracking.FORGET_S
+        self._persons = [one for one in self._persons if one.missing_s <= (gone if one.confirmed else 0.0)]
+        self._persons = tracking.without_doubles(self._persons)
+        return self._skeletons()
+
+    def _check(self, depth_mm: NDArray[np.uint16]) -> None:
+        shape = (self._intrinsics.height, self._intrinsics.width)
+        if depth_mm.shape != shape or depth_mm.dtype != np.uint16:
+            raise SjasimError(
+                f"depth frame of shape {depth_mm.shape} and type {depth_mm.dtype}: "
+                f"wanted {shape} whole millimetres, uint16, 0 where there is none"
+            )
+
+    def _separate(self) -> None:
+        """Share the points out, and meet whoever is new."""
+        self._share()
+        area = STRANGER_M2
+        strange = segmentation.strangers(self._scene, self._intrinsics, area, tracking.REACH_M)
+        if strange:
+            for x, z in tracking.found_again(strange, self._persons):
+                if len(self._persons) < MOST_PERSONS:
+                    self._persons.append(Person(self._next, np.array([x, z])))
+                    self._next += 1
+            self._share()
+        self._low = segmentation.low_object(self._scene, self._low, self._intrinsics, OBJECT_M2)
+
+    def _share(self) -> None:
+        places = np.array([person.place for person in self._persons]).reshape(-1, 2)
+        joints = np.array([self._expected(person) for person in self._persons]).reshape(-1, len(JOINTS), 3)
+        segmentation.share(self._scene, places, joints, self._low)
+
+    def _expected(self, person: Person) -> Array:
+        """Predicted joints, or those of anybody for somebody new."""
+        if person.frames:
+            return person.joints
+        offset = np.array([person.place[0], 0.0, person.place[1]])
+        return np.asarray(posture.from_body(self._model.mean, 0.0) + offset)
+
+    def _recognise(self, interval_s: float) -> None:
+        persons, fx = self._persons, self._intrinsics.fx
+        if not persons:
+            return
+        places = np.array([person.place for person in persons])
+        known = np.array([person.scale or 1.0 for person in persons])
+        body = segmentation.measured(self._scene, places, known)
+        for person, (count, _, _, crown, width) in zip(persons, body, strict=True):
+            if count:
+                person.grow(float(crown), float(width), interval_s)
+        scales = np.array([person.scale or 1.0 for person in persons])
+        rows = person_rows(body, scales, np.zeros(len(persons)))
+        turned = yaw_votes(self._scene, self._model, strides(body[:, 0], TURNING), fx, rows)
+        for person, votes, row in zip(persons, turned, rows, strict=True):
+            person.turn(votes, interval_s)
+            row[:2] = person.steady(row[:2], interval_s)
+            person.width += 0.1 * (float(row[2]) - person.width)
+            row[2], row[4], row[5] = person.width, math.cos(person.yaw_rad), math.sin(person.yaw_rad)
+        prior = np.array([person.joints for person in persons])
+        taken = strides(body[:, 0], VOTING)
+        joints, support = self._votes.joints(self._scene, taken, fx, rows, prior)
+        _join_hands(joints, support)
+        surface = body[:, 0] * self._per_pixel * (places[:, 1]) ** 2
+        for k, person in enumerate(persons):
+            if surface[k] < LEAST_M2:
+                person.lose(interval_s)
+                continue
+            seen = (support[k] > self._model.support) & np.isfinite(joints[k, :, 0])
+            person.see(joints[k], seen, self._model.posture, self._model.mean, interval_s)
+
+    def _skeletons(self) -> Skeletons:
+        persons = [person for person in self._persons if person.confirmed]
+        names = np.array([person.name for person in persons], dtype=np.int64)
+        joints = np.array([person.joints for person in persons]).reshape(-1, len(JOINTS), 3)
+        state = np.array([person.state for person in persons], dtype=np.int8).reshape(-1, len(JOINTS))
+        joints[:, :, 1] -= self._height_m
+        joints[state == NOT_TRACKED] = np.nan
+        for array in (names, joints, state):
+            array.flags.writeable = False
+        return Skeletons(names, joints, state)

@@ -1,0 +1,257 @@
+"""Persons over time: who is where, how tall, which way turned, and what is known of each joint.
+
+Times are in seconds everywhere, so that a sensor that takes five frames a second and one that takes thirty follow
+the same rules.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assets.names import JOINT_INDEX, JOINTS
+from ..types import INFERRED, NOT_TRACKED, TRACKED, Array
+from . import posture
+
+CONFIRM_FRAMES = 3
+"""Frames in which somebody must have been seen before there is a person."""
+INFER_S, FORGET_S = 0.6, 3.0
+"""A person out of sight is inferred so long, and remembered so long (assumed)."""
+COAST_S = 1.0
+"""Time constant with which the speed of somebody out of sight is believed (assumed)."""
+REACH_M, REACH_M_S = 0.5, 1.0
+"""How far from where they were lost somebody is looked for, and how that grows (assumed)."""
+SAME_M = 0.30
+"""Two persons cannot stand closer than this; the younger is a mistake (assumed)."""
+RELAX_S = 0.30
+"""Time constant with which a hidden joint goes where the rest of the posture says (assumed)."""
+SETTLE_TRUNK_S, SETTLE_LIMB_S = 0.40, 0.07
+"""Time constants with which a joint that comes back into sight goes where it is seen: a trunk that jumped would look
+like a step (assumed)."""
+SETTLED_M = 0.03
+"""A joint that comes back is tracked once it is this near to where it is seen (assumed)."""
+SPEED_S = 0.10
+"""Time constant of the trunk's velocity (assumed)."""
+YAW_S, YAW_ASTRAY_RAD, YAW_ASTRAY_S = 0.25, math.radians(60.0), 0.08
+"""Time constant with which the forest's yaw corrects the tracked one, and the time constant beyond an angle at which
+only one of them can be right: the forest, which does not remember its mistakes (assumed)."""
+OWN_YAW_RAD, OWN_YAW_S = math.radians(40.0), 0.08
+"""The skeleton's own heading counts if it is so near, with this time constant (assumed)."""
+SURFACE_S = 0.15
+"""Time constant of where the trunk's surface lies before its joints (assumed)."""
+COMMON_S = 0.08
+"""Time constant with which the trunk leaves its predicted motion; at constant speed this is no delay (assumed)."""
+OWN_MOTION_S, SPIN_S, SPIN_RAD_S = 0.40, 0.15, 0.4
+"""Time constant with which a joint of the trunk leaves the motion that all of the trunk has in common, which shakes
+less than each: shorter the faster the person turns, by a rate smoothed with the second (assumed)."""
+CROWN = 0.965
+"""Height of the crown over stature, as pixels show it standing."""
+STATURE_M = (1.35, 2.10)
+"""Statures that are believed."""
+RISE_S, SINK_S, HIDDEN_SHARE = 0.3, 4.0, 0.93
+"""How fast a larger and a smaller crown is believed; a crown below this share of it is a hidden one (assumed)."""
+
+_TRUNK = np.zeros(len(JOINTS), dtype=bool)
+_TRUNK[[*posture.TRUNK, JOINT_INDEX["Head"]]] = True
+_SETTLE_S = np.where(_TRUNK, SETTLE_TRUNK_S, SETTLE_LIMB_S)
+_PLACE = [JOINT_INDEX["SpineBase"], JOINT_INDEX["SpineMid"]]
+
+
+def blend(interval_s: float, constant_s: float) -> float:
+    """Share of the way to go in an interval."""
+    return 1.0 - math.exp(-interval_s / constant_s)
+
+
+def wrapped(angle_rad: float) -> float:
+    """The same angle from -pi to pi."""
+    return math.remainder(angle_rad, math.tau)
+
+
+@dataclass(slots=True)
+class Person:
+    """One person as a sensor remembers them; lengths are points: x, height, z [m].
+
+    Attributes:
+        name: identity, never given twice.
+        place: (2,) x and z of the trunk.
+        velocity: (2,) its rate [m/s].
+        yaw_rad: heading relative to facing the sensor; NaN while it is not known.
+        facing_rad: the yaw at the end of the last frame; NaN before the first.
+        spin: its smoothed rate [rad/s].
+        scale: stature over 1.75 m; 0 while it is not known.
+        width: of the chest, over the scale [m].
+        surface: (2,) from the place to the middle of the trunk's surface, steadied [m].
+        frames: in how many frames the person was seen.
+        missing_s: since when not.
+        joints: (25, 3) last joints, NaN before the first.
+        state: (25,) how they are known.
+        carry: (25, 3) what is left of the way of joints that came back into sight.
+    """
+
+    name: int
+    place: Array
+    velocity: Array = field(default_factory=lambda: np.zeros(2))
+    yaw_rad: float = math.nan
+    facing_rad: float = math.nan
+    spin: float = 0.0
+    scale: float = 0.0
+    width: float = 0.0
+    surface: Array = field(default_factory=lambda: np.full(2, np.nan))
+    frames: int = 0
+    missing_s: float = 0.0
+    joints: Array = field(default_factory=lambda: np.full((len(JOINTS), 3), np.nan))
+    state: NDArray[np.int8] = field(default_factory=lambda: np.zeros(len(JOINTS), np.int8))
+    carry: Array = field(default_factory=lambda: np.zeros((len(JOINTS), 3)))
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether this is a person, not a passing shape."""
+        return self.frames >= CONFIRM_FRAMES
+
+    def predict(self, interval_s: float) -> None:
+        """Go on as before for a while."""
+        step = self.velocity * interval_s
+        self.place = self.place + step
+        self.joints[:, 0] += step[0]
+        self.joints[:, 2] += step[1]
+
+    def grow(self, crown_m: float, width_m: float, interval_s: float) -> None:
+        """Take in how tall and how wide the person looks."""
+        seen = min(max(crown_m / CROWN, STATURE_M[0]), STATURE_M[1]) / 1.75
+        if self.scale == 0.0:
+            self.scale, self.width = seen, width_m / seen
+            return
+        if seen > self.scale:
+            self.scale += blend(interval_s, RISE_S) * (seen - self.scale)
+        elif seen > HIDDEN_SHARE * self.scale:
+            self.scale += blend(interval_s, SINK_S) * (seen - self.scale)
+
+    def steady(self, middle: Array, interval_s: float) -> Array:
+        """Where the forests are told that the trunk's surface (2,) is: a middle that shook would shake every joint."""
+        off = middle - self.place
+        if math.isnan(self.surface[0]):
+            self.surface = off
+        self.surface = self.surface + blend(interval_s, SURFACE_S) * (off - self.surface)
+        return np.asarray(self.place + self.surface)
+
+    def turn(self, votes: Array, interval_s: float) -> None:
+        """Take in what the forest says of the yaw: sums of cosine and sine."""
+        if not votes[:2].any():
+            self.yaw_rad = 0.0 if math.isnan(self.yaw_rad) else self.yaw_rad
+            return
+        said = math.atan2(votes[1], votes[0])
+        if math.isnan(self.yaw_rad):
+            self.yaw_rad = said
+        else:
+            off = wrapped(said - self.yaw_rad)
+            constant_s = YAW_ASTRAY_S if abs(off) > YAW_ASTRAY_RAD else YAW_S
+            self.yaw_rad = wrapped(self.yaw_rad + blend(interval_s, constant_s) * off)
+
+    def lose(self, interval_s: float) -> None:
+        """Out of sight: coast, and after a while admit it."""
+        self.missing_s += interval_s
+        self.velocity = self.velocity * (1.0 - blend(interval_s, COAST_S))
+        self.carry[:] = 0.0
+        state = INFERRED if self.missing_s <= INFER_S else NOT_TRACKED
+        self.state = np.where(np.isnan(self.joints[:, 0]), NOT_TRACKED, state).astype(np.int8)
+
+    def see(self, joints: Array, seen: NDArray[np.bool_], weights: Array, mean: Array, interval_s: float) -> None:
+        """Take in a frame's joints.
+
+        Args:
+            joints: (25, 3) where votes agree, NaN where there are none.
+            seen: (25,) which of them are supported.
+            weights: (104, 75) of the posture's regression.
+            mean: (25, 3) mean posture.
+            interval_s: since the last frame.
+        """
+        before_rad = self.facing_rad
+        self._face(posture.heading(joints, seen), interval_s)
+        self._spin(before_rad, interval_s)
+        row = posture.features(np.nan_to_num(joints), seen, mean, self.yaw_rad, self.scale, self.width)
+        if row is None:
+            self.lose(interval_s)
+            return
+        likely = posture.predicted(*row, weights, mean, self.yaw_rad, self.scale)
+        fresh = np.isnan(self.joints[:, 0])
+        before = np.where(fresh[:, None], likely, self.joints)
+        was_seen = self.state == TRACKED
+        back = seen & ~was_seen & ~fresh & (np.abs(self.carry).sum(axis=1) == 0.0)
+        kept = seen & was_seen
+        moved = self._moved(joints, before, kept)
+        hidden = before + moved
+        hidden += blend(interval_s, RELAX_S) * (likely - hidden)
+        self.carry[back] = (before + moved - joints)[back]
+        self.carry *= np.exp(-interval_s / _SETTLE_S)[:, None]
+        self.carry[~seen] = 0.0
+        off = np.abs(self.carry).max(axis=1)
+        self.carry[off < 0.002] = 0.0
+        steady = posture.TRUNK[kept[posture.TRUNK]]
+        joints = np.nan_to_num(joints) + self.carry
+        common = before[steady] + blend(interval_s, COMMON_S) * moved
+        joints[steady] = common + blend(interval_s, OWN_MOTION_S / (1.0 + (self.spin / SPIN_RAD_S) ** 2)) * (
+            joints[steady] - common
+        )
+        self.joints = np.where(seen[:, None], joints, hidden)
+        self.state = np.where(seen & (off < SETTLED_M), TRACKED, INFERRED).astype(np.int8)
+        self._go(interval_s)
+
+    def _face(self, yaw_rad: float, interval_s: float) -> None:
+        """Believe the skeleton's own heading, unless it contradicts the tracked one."""
+        off = wrapped(yaw_rad - self.yaw_rad) if not math.isnan(yaw_rad) else math.inf
+        if abs(off) < OWN_YAW_RAD:
+            self.yaw_rad = wrapped(self.yaw_rad + blend(interval_s, OWN_YAW_S) * off)
+
+    def _spin(self, before_rad: float, interval_s: float) -> None:
+        self.facing_rad = self.yaw_rad
+        if interval_s > 0.0 and not math.isnan(before_rad):
+            rate = wrapped(self.yaw_rad - before_rad) / interval_s
+            self.spin += blend(interval_s, SPIN_S) * (rate - self.spin)
+
+    def _moved(self, joints: Array, before: Array, kept: NDArray[np.bool_]) -> Array:
+        """(3,) what the trunk still goes beyond its prediction."""
+        trunk = posture.TRUNK[kept[posture.TRUNK]]
+        return (joints[trunk] - before[trunk]).mean(axis=0) if len(trunk) else np.zeros(3)
+
+    def _go(self, interval_s: float) -> None:
+        place = self.joints[_PLACE][:, [0, 2]].mean(axis=0)
+        if self.frames and interval_s > 0.0:
+            step = (place - self.place) / interval_s
+            self.velocity = self.velocity + blend(interval_s, SPEED_S) * step
+        self.place = place
+        self.frames += 1
+        self.missing_s = 0.0
+
+
+def without_doubles(persons: list[Person]) -> list[Person]:
+    """Those who remain where two stand in one place: the ones seen longer."""
+    kept: list[Person] = []
+    for person in sorted(persons, key=lambda one: -one.frames):
+        near = (np.hypot(*(person.place - other.place)) < SAME_M for other in kept if other.missing_s == 0.0)
+        if person.missing_s > 0.0 or not any(near):
+            kept.append(person)
+    return [person for person in persons if any(person is one for one in kept)]
+
+
+def found_again(places: list[tuple[float, float]], persons: list[Person]) -> list[tuple[float, float]]:
+    """Give places where strangers stand to persons out of sight; the places that are left are new persons'."""
+    lost = [person for person in persons if person.missing_s > 0.0]
+    left = list(places)
+    pairs = sorted(
+        (float(np.hypot(*(person.place - place))) - REACH_M_S * person.missing_s, index, row)
+        for index, person in enumerate(lost)
+        for row, place in enumerate(places)
+    )
+    taken: set[int] = set()
+    for beyond_m, index, row in pairs:
+        if beyond_m > REACH_M or index in taken or places[row] not in left:
+            continue
+        taken.add(index)
+        left.remove(places[row])
+        shift = np.array(places[row]) - lost[index].place
+        lost[index].place = np.array(places[row])
+        lost[index].joints[:, [0, 2]] += shift
+    return left

@@ -1,0 +1,187 @@
+"""Depth sensing from end to end: bodies on a stage in, skeletons out, and nothing of the truth between."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from functools import cache
+
+import numpy as np
+import pytest
+
+from sjasim.assets.names import JOINT_INDEX
+from sjasim.clock import stream
+from sjasim.config import SensorConfig
+from sjasim.errors import SjasimError
+from sjasim.registry import resolve
+from sjasim.sensors.depth import DepthSensing
+from sjasim.sensors.skeleton import SkeletonEstimator
+from sjasim.training import report
+from sjasim.training.trials import Outcome, Trial, perform, run, stage_dance
+from sjasim.types import NOT_TRACKED
+
+
+@cache
+def seen(facing_deg: float, length_s: float = 4.0, **special: bool) -> Outcome:
+    return run(Trial(77, length_s, math.radians(facing_deg), **special))
+
+
+def test_is_registered_under_its_name():
+    assert resolve("sensing", "depth").factory is DepthSensing
+
+
+@pytest.mark.parametrize(
+    ("facing_deg", "median_cm", "p95_cm"), [(0.0, 2.5, 7.0), (45.0, 3.0, 16.0), (-90.0, 4.5, 30.0), (180.0, 6.0, 20.0)]
+)
+def test_skeletons_are_near_the_truth_at_any_heading(facing_deg: float, median_cm: float, p95_cm: float):
+    figures = report.errors([seen(facing_deg)])
+    assert figures["median_cm"] < median_cm
+    assert figures["p95_cm"] < p95_cm
+    assert figures["swapped"] == 0.0
+    assert figures["lost"] < 0.02
+
+
+def test_facing_dancers_are_tracked_each_with_one_identity():
+    outcome = seen(0.0)
+    assert report.errors([outcome])["tracked"] > 0.95
+    assert report.identity([outcome]) == {"changed": 0, "lost_share": 0.0, "ghost_frames": 0}
+    base, upper = report.jitter_cm([outcome])
+    assert base < 0.2
+    assert upper < 0.25
+
+
+def test_figures_by_joint_and_events_can_be_told():
+    outcome = seen(0.0)
+    rows = report.by_joint([outcome])
+    assert rows["SpineBase"][0] < 4.0
+    tallies = report.events([outcome])
+    assert tallies["moves"].missed == 0
+
+
+@cache
+def frames(count: int = 12) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Depth frames of a trial and the joints that were found in them."""
+    trial = Trial(78, 4.0)
+    view, room = stage_dance(trial)
+    sensing = DepthSensing(room.mounts[0], SensorConfig(), 3, stream(0, "sensor"))
+    depths, joints = [], []
+    estimator = SkeletonEstimator(sensing.intrinsics, float(room.mounts[0].position[2]))
+    for tick in range(count):
+        view.at(tick)
+        depths.append(sensing.frame(view))
+        joints.append(estimator.update(view.time_s, depths[-1]).joints)
+    return depths, joints
+
+
+def test_the_same_frames_give_the_same_skeletons_without_mujoco(tmp_path):
+    depths, joints = frames()
+    np.savez(tmp_path / "frames.npz", depths=np.array(depths))
+    program = f"""
+import sys, math, numpy as np
+from sjasim.sensors.camera import Intrinsics
+from sjasim.sensors.skeleton import SkeletonEstimator
+estimator = SkeletonEstimator(Intrinsics.of(256, math.radians(70.6), math.radians(60.0)), 0.91)
+for tick, depth in enumerate(np.load({str(tmp_path / "frames.npz")!r})["depths"]):
+    found = estimator.update(tick / 30, depth)
+assert "mujoco" not in sys.modules
+np.save({str(tmp_path / "joints.npy")!r}, found.joints)
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)
+    assert np.array_equal(np.load(tmp_path / "joints.npy"), joints[-1], equal_nan=True)
+    assert joints[-1].shape == (3, 25, 3)
+
+
+def estimator() -> SkeletonEstimator:
+    sensors = SensorConfig()
+    from sjasim.sensors.camera import Intrinsics
+
+    pinhole = Intrinsics.of(256, sensors.horizontal_fov_rad, sensors.vertical_fov_rad)
+    return SkeletonEstimator(pinhole, 0.91)
+
+
+def test_nobody_in_view_gives_nobody():
+    found = estimator().update(0.0, np.zeros((212, 256), np.uint16))
+    assert found.joints.shape == (0, 25, 3)
+    assert found.state.shape == (0, 25)
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [np.zeros((424, 512), np.uint16), np.full((212, 256), np.nan), np.zeros((212, 256), np.int32)],
+    ids=["shape", "nan", "type"],
+)
+def test_a_wrong_frame_is_refused(frame: np.ndarray):
+    with pytest.raises(SjasimError, match="depth frame of shape"):
+        estimator().update(0.0, frame)
+
+
+def test_somebody_out_of_sight_is_inferred_then_not_tracked_then_forgotten():
+    depths, _ = frames()
+    watching = estimator()
+    for tick, depth in enumerate(depths):
+        watching.update(tick / 30, depth)
+    states = []
+    for tick in range(len(depths), len(depths) + 120):
+        found = watching.update(tick / 30, np.zeros((212, 256), np.uint16))
+        states.append(found.state)
+        assert (np.isnan(found.joints[..., 0]) == (found.state == NOT_TRACKED)).all()
+    assert len(states[5]) == 3
+    assert (states[5] == 1).all()
+    assert (states[30] == NOT_TRACKED).all()
+    assert len(states[-1]) == 0
+
+
+def test_more_than_six_are_not_all_tracked():
+    rng = np.random.default_rng(0)
+    depth = np.zeros((212, 256), np.uint16)
+    for index in range(9):
+        depth[30:190, 8 + 27 * index : 24 + 27 * index] = 2600 + rng.integers(0, 5, (160, 16))
+    watching = estimator()
+    for tick in range(5):
+        found = watching.update(tick / 30, depth)
+    assert len(found.persons) <= 6
+
+
+def test_the_record_knows_who_is_who_and_what_is_visible():
+    trial = Trial(79, 3.5)
+    view, room = stage_dance(trial)
+    sensing = DepthSensing(room.mounts[0], SensorConfig(), 3, stream(0, "sensor"))
+    assert sensing.dancers.shape == (0,)
+    assert sensing.visible.shape == (0, 25)
+    for tick in range(4):
+        view.at(tick)
+        found = sensing.sample(view)
+    assert sorted(sensing.dancers.tolist()) == [0, 1, 2]
+    assert sensing.visible.shape == (3, 25)
+    assert sensing.visible[:, JOINT_INDEX["Head"]].all()
+    mount = room.mounts[0]
+    true = (view.joints_m[sensing.dancers] - mount.position) @ mount.world_from_sensor
+    assert np.linalg.norm(found.joints - true, axis=2)[:, JOINT_INDEX["SpineBase"]].max() < 0.08
+
+
+def test_frame_loss_has_the_given_rate():
+    view, room = stage_dance(Trial(79, 3.5))
+    sensing = DepthSensing(room.mounts[0], SensorConfig(frame_loss=0.5), 3, stream(0, "sensor"))
+    lost = sum(sensing.sample(view) is None for _ in range(60))
+    assert 15 < lost < 45
+
+
+def test_turning_dancers_keep_left_and_right():
+    outcome = run(Trial(81, 9.0, 0.0, turns=True))
+    assert report.errors([outcome])["swapped"] < 0.005
+
+
+@pytest.mark.slow
+def test_crossings_and_eclipses_change_no_identity():
+    from sjasim.training.crossings import crossings, eclipses
+
+    assert crossings(7000, 8)["wrong"] == 0
+    assert eclipses(7000, 3)["wrong"] == 0
+
+
+@pytest.mark.slow
+def test_full_resolution_is_as_good():
+    view, room = stage_dance(Trial(77, 4.0, width_px=512))
+    outcome = perform(view, room, Trial(77, 4.0, width_px=512), 90)
+    assert report.errors([outcome])["median_cm"] < 2.5

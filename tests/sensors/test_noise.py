@@ -1,0 +1,91 @@
+"""The sensor's noise: sizes as published, holes where they belong, nothing else touched."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sjasim.clock import stream
+from sjasim.sensors import noise
+from sjasim.sensors.camera import BOX, PLANE, Picture
+
+FX = 180.8
+RANGE_M = (0.5, 4.5)
+FORM = np.array([PLANE, BOX])
+
+
+def wall(depth_m: float, incidence_rad: float = 0.0, shape: tuple[int, int] = (120, 160), geom: int = 1) -> Picture:
+    return Picture(
+        np.full(shape, depth_m),
+        np.full(shape, geom, np.int16),
+        np.full(shape, np.cos(incidence_rad), np.float32),
+    )
+
+
+def sensed(picture: Picture, seed: int = 0) -> np.ndarray:
+    return noise.sensed(picture, FORM, FX, RANGE_M, stream(seed, "noise")) / 1000.0
+
+
+def published_m(z: float, theta: float) -> float:
+    """Fankhauser and others 2015, in millimetres: 1.5 - .5 z + .3 z^2 + .1 z^1.5 theta^2 / (pi/2 - theta)^2."""
+    return 1e-3 * (1.5 - 0.5 * z + 0.3 * z**2 + 0.1 * z**1.5 * theta**2 / (np.pi / 2 - theta) ** 2)
+
+
+@pytest.mark.parametrize("depth_m", [1.0, 2.0, 3.0, 4.0])
+@pytest.mark.parametrize("incidence_rad", [0.0, 0.6, 1.1])
+def test_axial_noise_has_the_published_size(depth_m: float, incidence_rad: float):
+    seen = sensed(wall(depth_m, incidence_rad))
+    expected = np.hypot(published_m(depth_m, incidence_rad), 0.001 / np.sqrt(12))
+    assert seen.std() == pytest.approx(expected, rel=0.04)
+    wiggle = noise.WIGGLE_M * np.sin(2 * np.pi * depth_m / noise.WIGGLE_PERIOD_M)
+    assert seen.mean() - depth_m == pytest.approx(wiggle, abs=0.0002)
+
+
+def test_pixels_mix_and_vanish_at_edges_only():
+    picture = wall(2.0)
+    picture.depth_m[:, 80:] = 3.0
+    seen = sensed(picture)
+    edge = seen[:, 79:81]
+    assert (edge == 0).mean() == pytest.approx(noise.EDGE_LOST, abs=0.08)
+    between = (edge > 2.05) & (edge < 2.95)
+    assert between.mean() == pytest.approx(0.9 * noise.EDGE_MIXED, abs=0.08)
+    assert not (seen[:, :78] == 0).any()
+    assert np.abs(seen[:, :78] - 2.0).max() < 0.02
+
+
+def test_lateral_noise_moves_edges_by_a_pixel_at_most_when_near():
+    picture = wall(0.6)
+    picture.depth_m[:, 80:] = 4.0  # too far apart to mix
+    moved = np.abs(sensed(picture) - picture.depth_m) > 1.0
+    assert 0 < moved[:, 78:82].mean() < 0.5
+    assert not moved[:, :77].any()
+
+
+def test_grazing_surfaces_lose_pixels():
+    assert (sensed(wall(2.0, 1.5)) == 0).mean() == pytest.approx(noise.GRAZING_LOST, abs=0.02)
+    assert not (sensed(wall(2.0, 1.4)) == 0).any()
+
+
+def test_range_is_limited_and_depth_comes_in_whole_millimetres():
+    for depth_m in (0.3, 4.7, np.inf):
+        assert not sensed(wall(depth_m)).any()
+    picture = wall(2.0)
+    assert noise.sensed(picture, FORM, FX, RANGE_M, stream(0, "noise")).dtype == np.uint16
+
+
+def test_floor_among_floor_is_left_alone():
+    picture = wall(2.0, geom=0)
+    picture.geom[50, 60] = 1
+    seen = sensed(picture)
+    touched = np.argwhere(seen != 2.0)
+    assert len(touched) <= 5
+    assert (np.abs(touched - [50, 60]).sum(axis=1) <= 1).all()
+
+
+def test_noise_differs_between_frames_and_repeats_with_the_seed():
+    rng, picture = stream(0, "noise"), wall(2.0)
+    first, second = (noise.sensed(picture, FORM, FX, RANGE_M, rng) for _ in range(2))
+    assert (first != second).any()
+    assert (np.rint(sensed(picture) * 1000) == first).all()
+    assert abs(np.corrcoef(first.ravel(), second.ravel())[0, 1]) < 0.03
+    assert abs(np.corrcoef(first[:, 1:].ravel(), first[:, :-1].ravel())[0, 1]) < 0.03

@@ -1,0 +1,136 @@
+"""Persons over time: coasting, coming back, growing, turning."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from sjasim.sensors import posture, tracking
+from sjasim.sensors.model import default, unpacked
+from sjasim.sensors.tracking import Person, found_again, without_doubles
+from sjasim.types import INFERRED, NOT_TRACKED, TRACKED
+
+MODEL = unpacked(default())
+DT_S = 1 / 30
+ALL = np.ones(25, dtype=bool)
+
+
+def standing(x: float, z: float, yaw_rad: float = 0.0) -> np.ndarray:
+    return posture.from_body(MODEL.mean, yaw_rad) + np.array([x, 0.0, z])
+
+
+def person(x: float = 0.0, z: float = 3.0, yaw_rad: float = 0.0, frames: int = 5) -> Person:
+    one = Person(0, np.array([x, z]), yaw_rad=yaw_rad, scale=1.0)
+    for _ in range(frames):
+        step(one, standing(x, z, yaw_rad))
+    return one
+
+
+def step(one: Person, joints: np.ndarray, seen: np.ndarray = ALL) -> None:
+    one.predict(DT_S)
+    one.see(joints, seen, MODEL.posture, MODEL.mean, DT_S)
+
+
+@pytest.mark.parametrize("yaw_rad", [0.0, 0.8, -1.6, 3.0])
+def test_the_persons_frame_and_back(yaw_rad: float):
+    points = np.random.default_rng(0).normal(size=(25, 3))
+    assert posture.from_body(posture.towards_body(points, yaw_rad), yaw_rad) == pytest.approx(points)
+    assert posture.heading(standing(0.3, 3.0, yaw_rad), ALL) == pytest.approx(yaw_rad, abs=0.1)
+
+
+def test_somebody_who_stands_is_tracked_where_seen():
+    one = person()
+    assert (one.state == TRACKED).all()
+    assert one.joints == pytest.approx(standing(0.0, 3.0), abs=1e-6)
+    assert one.confirmed
+
+
+def test_a_walk_at_constant_speed_is_followed_without_delay():
+    one = person()
+    for tick in range(1, 46):
+        step(one, standing(0.0, 3.0 - 0.4 * tick * DT_S))
+    assert one.joints == pytest.approx(standing(0.0, 3.0 - 0.4 * 45 * DT_S), abs=0.004)
+    assert one.velocity == pytest.approx([0.0, -0.4], abs=0.02)
+
+
+def test_a_hidden_arm_goes_with_the_trunk_and_comes_back_without_a_jump_of_the_trunk():
+    one, arm = person(), [5, 6, 7, 21, 22]
+    seen = ALL.copy()
+    seen[arm] = False
+    for tick in range(1, 20):
+        step(one, standing(0.0, 3.0 - 0.3 * tick * DT_S), seen)
+    assert (one.state[arm] == INFERRED).all()
+    assert np.abs(one.joints[arm] - standing(0.0, 3.0 - 0.3 * 19 * DT_S)[arm]).max() < 0.25
+    for tick in range(20, 40):
+        step(one, standing(0.0, 3.0 - 0.3 * tick * DT_S))
+    assert (one.state == TRACKED).all()
+
+
+def test_a_spine_that_comes_back_elsewhere_goes_there_smoothly():
+    one, seen = person(), ALL.copy()
+    seen[0] = False
+    for _ in range(5):
+        step(one, standing(0.0, 3.0), seen)
+    off = standing(0.0, 3.0)
+    off[0, 2] += 0.08
+    before = one.joints[0, 2]
+    step(one, off)
+    assert abs(one.joints[0, 2] - before) < 0.02
+    assert one.state[0] == INFERRED
+    for _ in range(60):
+        step(one, off)
+    assert one.joints[0, 2] == pytest.approx(off[0, 2], abs=0.02)
+    assert one.state[0] == TRACKED
+
+
+def test_out_of_sight_one_coasts_is_inferred_then_not_tracked():
+    one = person()
+    for tick in range(1, 30):
+        step(one, standing(0.5 * tick * DT_S, 3.0))
+    x = float(one.place[0])
+    for _ in range(15):
+        one.predict(DT_S)
+        one.lose(DT_S)
+    assert one.place[0] == pytest.approx(x + 0.5 * 0.5 * 0.8, abs=0.06)
+    assert (one.state == INFERRED).all()
+    for _ in range(10):
+        one.lose(DT_S)
+    assert (one.state == NOT_TRACKED).all()
+
+
+def test_a_place_near_somebody_lost_is_theirs_and_others_are_new():
+    lost, near = person(0.0, 3.0), (0.3, 3.2)
+    lost.missing_s = 0.2
+    assert found_again([near, (2.0, 3.0)], [lost]) == [(2.0, 3.0)]
+    assert lost.place == pytest.approx(near)
+    assert found_again([near], [person(0.0, 3.0)]) == [near]
+
+
+def test_of_two_in_one_place_the_one_seen_longer_stays():
+    old, new, other = person(frames=9), person(0.1, 3.0, frames=3), person(1.0, 3.0)
+    assert without_doubles([new, old, other]) == [old, other]
+
+
+def test_a_hidden_crown_does_not_shrink_anybody():
+    one = Person(0, np.zeros(2))
+    one.grow(1.70, 0.4, DT_S)
+    tall = one.scale
+    assert tall == pytest.approx(1.70 / tracking.CROWN / 1.75)
+    for _ in range(300):
+        one.grow(1.20, 0.4, DT_S)
+    assert one.scale == tall
+    for _ in range(60):
+        one.grow(1.80, 0.4, DT_S)
+    assert one.scale == pytest.approx(1.80 / tracking.CROWN / 1.75, rel=0.01)
+
+
+def test_the_forest_rights_a_yaw_that_has_gone_astray():
+    one = Person(0, np.zeros(2), yaw_rad=0.0)
+    votes = np.array([math.cos(3.0), math.sin(3.0), 90.0])
+    for _ in range(15):
+        one.turn(votes, DT_S)
+    assert abs(tracking.wrapped(one.yaw_rad - 3.0)) < 0.6
+    one.turn(np.zeros(3), DT_S)
+    assert not math.isnan(one.yaw_rad)

@@ -1,0 +1,63 @@
+"""The training: repeatable, quick in its small form, and good enough in it."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from sjasim.sensors.votes import answers
+from sjasim.training.forests import Growth, draw_probes
+from sjasim.training.samples import Watcher, in_body
+from sjasim.training.scenes import scenes
+from sjasim.training.train import SMALL, Recipe, train
+from sjasim.training.tuning import estimate
+
+sklearn = pytest.importorskip("sklearn")
+TINY = Recipe(6, 4, 30, 40, 20, 0, Growth(1, 40, 1, 20))
+
+
+def test_the_same_seed_trains_the_same_model():
+    first, second = train(TINY), train(TINY)
+    assert first.digest() == second.digest()
+    assert train(dataclasses.replace(TINY, seed=1)).digest() != first.digest()
+
+
+def test_scenes_show_everybody_somewhere_within_their_ranges():
+    for mount, scene in scenes(5, 3, "test"):
+        points = (scene.joints_m - mount.position) @ mount.world_from_sensor
+        assert ((points[:, 0, 2] > 1.5) & (points[:, 0, 2] < 4.5)).all()
+        assert ((scene.stature_m >= 1.5) & (scene.stature_m <= 1.95)).all()
+        assert (np.abs(scene.yaw_rad) <= np.pi).all()
+        left, right = points[:, 4], points[:, 8]
+        across = left - right
+        assert np.abs(np.angle(np.exp(1j * (np.arctan2(across[:, 2], -across[:, 0]) - scene.yaw_rad)))).max() < 0.3
+
+
+def test_features_do_not_depend_on_where_a_point_stands_in_the_list():
+    mount, scene = next(iter(scenes(1, 3, "test")))
+    watcher = Watcher(0, "test")
+    seen = watcher.see(mount, scene)
+    probes = draw_probes(20, 0).astype(np.float32)
+    rows = np.flatnonzero(seen.scene.owner[: seen.scene.count] == 0)[:40]
+    both = answers(seen.scene, rows, probes, watcher.intrinsics.fx, seen.persons[0])
+    assert (answers(seen.scene, rows[::-1].copy(), probes, watcher.intrinsics.fx, seen.persons[0])[::-1] == both).all()
+
+
+def test_the_persons_frame_turns_with_the_yaw():
+    facing = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 0.0])
+    towards_sensor = np.array([0.0, 0.2, -1.0])
+    assert in_body(towards_sensor, facing) == pytest.approx([1.0, 0.2, 0.0])
+    quarter = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 1.0])
+    assert in_body(towards_sensor, quarter) == pytest.approx([0.0, 0.2, -1.0])
+
+
+@pytest.mark.slow
+def test_the_small_model_reaches_its_band():
+    model = train(SMALL)
+    found = estimate(scenes(60, 99, "band"), model, 99, "band")
+    facing = np.abs(found.yaw_rad) < np.radians(30)
+    error = found.error_m[facing][found.support[facing] > model.support]
+    assert np.median(error) < 0.035
+    assert (found.support[facing] > model.support).mean() > 0.75
