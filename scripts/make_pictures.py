@@ -20,6 +20,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from sjasim.analysis.insight import insight
 from sjasim.config import SessionConfig
+from sjasim.film import captioned, lines, title
 from sjasim.record.rerun import save
 from sjasim.record.viewer import screenshot
 from sjasim.render import Renderer
@@ -44,6 +45,7 @@ class Photographer:
         self.session = session
         self.stills: dict[Move, np.ndarray] = {}
         self.room: np.ndarray | None = None
+        self.film: np.ndarray | None = None
         mounts = session.layout.mounts
         self._near = Renderer(session.world.stage, *PANEL, mounts)
         self._far = Renderer(session.world.stage, *ROOM, mounts)
@@ -58,6 +60,7 @@ class Photographer:
                 self.stills[move] = self._near.frame("dancers", active)
                 if move is Move.FORWARD:
                     self.room = self._far.frame("room", active)
+                    self.film = captioned(self.room, title(self.session, now), lines(self.session, now))
 
     def _moment(self, move: Move) -> float:
         cues = [cue for cue in self.session.world.cues if cue.iteration == ITERATION and cue.move is move]
@@ -98,6 +101,8 @@ def main() -> int:
 
     log = run_session(SessionConfig(method="sia", seed=options.seed), prepare=prepare)
     assert crew[0].room is not None
+    assert crew[0].film is not None
+    Image.fromarray(crew[0].film).save(options.out / "film.png", optimize=True)
     Image.fromarray(crew[0].room).save(options.out / "dance.png", optimize=True)
     contact_sheet(crew[0].stills).save(options.out / "dancers.png", optimize=True)
     crew[0].close()

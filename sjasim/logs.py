@@ -62,6 +62,15 @@ class Handover:
 
 
 @dataclass(frozen=True, slots=True)
+class DepthPicture:
+    """One depth image of the active sensor: 16-bit PNG of whole millimetres, 0 where there is none."""
+
+    t_s: float
+    sensor: str
+    png: bytes
+
+
+@dataclass(frozen=True, slots=True)
 class SessionLog:
     """Everything a session leaves behind; read back from a session's folder it is the same value.
 
@@ -82,6 +91,7 @@ class SessionLog:
         joints: (F, D, 25, 3) float32 true joints at 30 Hz, or None in a log read from a folder.
         skeletons: (F, D, 25, 4) float32 joints in the world as the active client saw them at the same frames, and
             their tracking state; NaN where it took no frame or lost the joint. None in a log read from a folder.
+        depth: depth images of the active sensor, if they were asked for; kept in the recording alone.
         cost: ``sim_s``, ``cpu_s``, ``wall_s`` and ``peak_mb``.
     """
 
@@ -99,4 +109,5 @@ class SessionLog:
     truth: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
     joints: NDArray[np.float32] | None = None
     skeletons: NDArray[np.float32] | None = None
+    depth: tuple[DepthPicture, ...] = ()
     cost: Mapping[str, float] = field(default_factory=dict)

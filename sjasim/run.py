@@ -6,7 +6,7 @@ import contextlib
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,6 +18,7 @@ from rich.table import Table
 from . import cli
 from .anticipation import method
 from .config import SessionConfig
+from .errors import ConfigError
 from .logs import SessionLog
 from .record.insight import Insight
 
@@ -34,6 +35,7 @@ class Options:
         view: show the session in rerun's viewer while it is danced.
         video: film of the dance, with captions; an .mp4 file. Takes longer than the dance without a graphics card.
         plots: folder for the figures as pictures.
+        log_depth: keep depth images of the active sensor, 5 a second, in the recording; needs --out.
         overwrite: replace an earlier session or film.
         json: print session.json, and nothing else, on stdout.
         config: TOML file of the session's fields; flags override it.
@@ -44,6 +46,7 @@ class Options:
     view: bool = False
     video: Path | None = None
     plots: Path | None = None
+    log_depth: bool = False
     overwrite: bool = False
     json: bool = False
     config: Path | None = None
@@ -58,8 +61,10 @@ def command(arguments: Sequence[str]) -> None:
         method.build(config.method, config.method_options)
     check(options)
     with contextlib.ExitStack() as watching:
-        audience = Audience(options, watching) if options.view or options.video else None
+        audience = Audience(options, watching) if options.view or options.video or options.log_depth else None
         log = dance(config, audience)
+        if audience is not None:
+            log = audience.seen(log)
         summary = keep(log, options, audience)
         shown(summary, options)
         if audience is not None:
@@ -72,6 +77,8 @@ def check(options: Options) -> None:
     Raises:
         SjasimError: a target cannot be written, or something that an option needs is missing.
     """
+    if options.log_depth and options.out is None:
+        raise ConfigError("log_depth", True, "only with --out DIR, in whose recording the images are kept")
     if options.out is not None:
         from .record.folder import check_target
 
@@ -105,6 +112,11 @@ class Audience:
         self._closing = closing
         self._film: Any = None
         self._live: Any = None
+        self._depth: Any = None
+
+    def seen(self, log: SessionLog) -> SessionLog:
+        """The log, with the depth images that were taken meanwhile."""
+        return log if self._depth is None else replace(log, depth=tuple(self._depth.pictures))
 
     def prepare(self, session: Any) -> None:
         """Let them in, before the session begins."""
@@ -114,6 +126,11 @@ class Audience:
             film = self._film = Film(session, self._options.video)
             self._closing.callback(lambda: film.close(keep=False) if self._film is not None else None)
             session.world.watchers.append(film.tick)
+        if self._options.log_depth:
+            from .depth_watch import DepthWatch
+
+            self._depth = DepthWatch(session)
+            session.world.watchers.append(self._depth.tick)
         if self._options.view:
             from .record.live import Live
 

@@ -8,6 +8,7 @@ the session's clock. Entities, below a prefix where a recording holds several se
 - ``lanes/...``: see `lanes.lane_names`
 - ``curves/group``, ``pairs``, ``timing``, ``delay`` [s], ``clocks`` [ms]
 - ``graph``: the group topology graph, from the close of each iteration
+- ``depth``: depth images of the active sensor, where they were asked for
 - ``log/decisions``, ``log/notices``, ``story``: texts
 """
 
@@ -26,7 +27,7 @@ from ..logs import SessionLog
 from ..types import dancer_name
 from .insight import Insight
 from .lanes import fix_lanes, lane_names, send_insight, send_lanes, send_texts
-from .scene import TIMELINE, Pen, Span, fix_scene, send_dancers, send_robot, send_sensors, send_tethers
+from .scene import TIMELINE, Pen, Span, fix_scene, send_dancers, send_depth, send_robot, send_sensors, send_tethers
 
 APPLICATION = "sjasim"
 
@@ -52,7 +53,8 @@ def save_all(sessions: Mapping[str, tuple[SessionLog, Insight | None]], path: Pa
     configs = {prefix: from_plain(log.config) for prefix, (log, _) in sessions.items()}
     name = "-".join(f"{config.method}-{config.seed}" for config in configs.values())
     stream = rr.RecordingStream(APPLICATION, recording_id=name, send_properties=False)
-    stream.save(path, default_blueprint=blueprint(configs))
+    with_depth = any(log.depth for log, _ in sessions.values())
+    stream.save(path, default_blueprint=blueprint(configs, with_depth))
     try:
         for prefix, (log, insight) in sessions.items():
             recorder = Recorder(stream, configs[prefix], prefix)
@@ -89,13 +91,14 @@ class Recorder:
         send_robot(self._pen, log, span)
         send_lanes(self._pen, log, self._config, span)
         send_texts(self._pen, log, span)
+        send_depth(self._pen, log, span)
 
     def finish(self, insight: Insight) -> None:
         """Send what can be said once the session is over."""
         send_insight(self._pen, insight, self._config)
 
 
-def blueprint(configs: Mapping[str, SessionConfig]) -> rrb.Blueprint:
+def blueprint(configs: Mapping[str, SessionConfig], with_depth: bool = False) -> rrb.Blueprint:
     """The layout of the viewer.
 
     Left the room, the story and the graph; right the lanes, the curves and the decisions. Several sessions stand
@@ -105,7 +108,7 @@ def blueprint(configs: Mapping[str, SessionConfig]) -> rrb.Blueprint:
     hidden = [rrb.SelectionPanel(state="hidden"), rrb.BlueprintPanel(state="hidden")]
     (prefix, config), *others = configs.items()
     if not others:
-        return rrb.Blueprint(_single(prefix, config), panel, *hidden)
+        return rrb.Blueprint(_single(prefix, config, with_depth), panel, *hidden)
     columns = [
         rrb.Vertical(
             _room(key, own), _lanes(key, own), _indices(key), _delays(key), row_shares=[18, 58, 12, 12], name=key
@@ -115,7 +118,7 @@ def blueprint(configs: Mapping[str, SessionConfig]) -> rrb.Blueprint:
     return rrb.Blueprint(rrb.Horizontal(*columns), panel, *hidden)
 
 
-def _single(prefix: str, config: SessionConfig) -> rrb.Horizontal:
+def _single(prefix: str, config: SessionConfig, with_depth: bool) -> rrb.Horizontal:
     story = rrb.TextDocumentView(origin=_at(prefix, "story"), name="What happened")
     graph = rrb.Spatial2DView(origin=_at(prefix, "graph"), name="Synchrony of pairs, last iteration")
     curves = rrb.Grid(
@@ -129,7 +132,10 @@ def _single(prefix: str, config: SessionConfig) -> rrb.Horizontal:
         grid_columns=2,
     )
     texts = rrb.TextLogView(origin=_at(prefix, "log"), name="Decisions of the method, notices")
-    left = rrb.Vertical(_room(prefix, config), rrb.Horizontal(story, graph, column_shares=[3, 2]), row_shares=[3, 2])
+    room: rrb.View | rrb.Tabs = _room(prefix, config)
+    if with_depth:
+        room = rrb.Tabs(room, rrb.Spatial2DView(origin=_at(prefix, "depth"), name="What the active sensor sees"))
+    left = rrb.Vertical(room, rrb.Horizontal(story, graph, column_shares=[3, 2]), row_shares=[3, 2])
     right = rrb.Vertical(_lanes(prefix, config), curves, texts, row_shares=[9, 5, 2])
     return rrb.Horizontal(left, right, column_shares=[1, 1])
 

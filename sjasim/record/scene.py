@@ -282,3 +282,13 @@ def send_robot(pen: Pen, log: SessionLog, span: Span) -> None:
 def rate_of(t_s: Floats) -> float:
     """Samples per second of evenly spaced times; 1 for a single one."""
     return 1 / float(np.median(np.diff(t_s))) if len(t_s) > 1 else 1.0
+
+
+def send_depth(pen: Pen, log: SessionLog, span: Span) -> None:
+    """Depth images of the active sensor."""
+    times = np.array([picture.t_s for picture in log.depth])
+    rows = span.rows(times)
+    if len(rows):
+        pen.fixed("depth", rr.EncodedDepthImage.from_fields(media_type="image/png", meter=1000.0))
+        blobs = [np.frombuffer(log.depth[row].png, dtype=np.uint8) for row in rows]
+        pen.columns("depth", times[rows], rr.EncodedDepthImage.columns(blob=blobs))
