@@ -2,8 +2,9 @@
 
     python scripts/make_pictures.py [--out docs] [--seed 0]
 
-writes ``dance.png`` (the room), ``dancers.png`` (the moves of one iteration) and ``overview.png`` (the recording in
-rerun's viewer). Needs libegl1 and mesa-vulkan-drivers, no display. Takes about a minute.
+writes ``dance.png`` (the room), ``film.png`` (as a film shows it), ``dancers.png`` (the moves of one iteration) and
+``overview.png`` (the recording in rerun's viewer). Needs libegl1 and mesa-vulkan-drivers, no display. Takes about a
+minute.
 """
 
 from __future__ import annotations

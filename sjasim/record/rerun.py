@@ -23,6 +23,7 @@ import rerun.blueprint as rrb
 from ..choreography.layout import layout
 from ..config import SessionConfig
 from ..config_io import from_plain
+from ..errors import RecordError
 from ..logs import SessionLog
 from ..types import dancer_name
 from .insight import Insight
@@ -49,6 +50,9 @@ def save_all(sessions: Mapping[str, tuple[SessionLog, Insight | None]], path: Pa
     Args:
         sessions: prefix of the entities -> session; a single session may have the prefix "".
         path: the .rrd file.
+
+    Raises:
+        RecordError: it cannot be written.
     """
     configs = {prefix: from_plain(log.config) for prefix, (log, _) in sessions.items()}
     name = "-".join(f"{config.method}-{config.seed}" for config in configs.values())
@@ -62,6 +66,8 @@ def save_all(sessions: Mapping[str, tuple[SessionLog, Insight | None]], path: Pa
             if insight is not None:
                 recorder.finish(insight)
         stream.flush()
+    except RuntimeError as error:
+        raise RecordError(f"{path.name} cannot be written ({error}): is the disk full?") from None
     finally:
         stream.disconnect()
 
