@@ -43,13 +43,10 @@ class Link(Generic[T]):
         self._heap: list[tuple[float, int, T]] = []  # arrival, number sent: no two are equal
         self._sequence = 0
         self._last_arrival_s = -np.inf
+        self.next_arrival_s = math.inf
+        """When the next message comes out; infinite when none is under way."""
         self.sent = 0
         self.lost = 0
-
-    @property
-    def next_arrival_s(self) -> float:
-        """When the next message comes out; infinite when none is under way."""
-        return self._heap[0][0] if self._heap else math.inf
 
     def send(self, t_s: float, message: T) -> None:
         """Put a message in at session time ``t_s``; it may be lost.
@@ -69,6 +66,7 @@ class Link(Generic[T]):
             self._last_arrival_s = arrival
         heapq.heappush(self._heap, (arrival, self._sequence, message))
         self._sequence += 1
+        self.next_arrival_s = self._heap[0][0]
 
     def receive(self, until_s: float) -> list[tuple[float, T]]:
         """Take out every message that has arrived by ``until_s``, as (arrival time, message), earliest first."""
@@ -76,4 +74,5 @@ class Link(Generic[T]):
         while self._heap and self._heap[0][0] <= until_s:
             t_arrival_s, _, message = heapq.heappop(self._heap)
             arrived.append((t_arrival_s, message))
+        self.next_arrival_s = self._heap[0][0] if self._heap else math.inf
         return arrived

@@ -146,8 +146,10 @@ class Client:
     def outputs(self, t_s: float) -> list[DeviceEvent | ClientStatus]:
         """Everything from frames whose processing is over by session time ``t_s``, oldest first."""
         messages: list[DeviceEvent | ClientStatus] = []
-        while self._pending and self.next_output_s <= t_s + _ROUNDING_S:
-            ready_s = self.next_output_s
+        while self._pending:
+            ready_s = self._pending[0].t_s + self._latency_s
+            if ready_s > t_s + _ROUNDING_S:
+                break
             capture = self._pending.popleft()
             if ready_s < self._dead_from_s:
                 messages.extend(self._process(capture, ready_s))
