@@ -45,10 +45,10 @@ class Ticks:
 class Task:
     """A periodic duty on the physics' ticks; `due` tells when it fires next."""
 
-    __slots__ = ("_count", "_hz", "_ticks", "due")
+    __slots__ = ("_count", "_hz", "_rate_hz", "due")
 
     def __init__(self, ticks: Ticks, rate_hz: int) -> None:
-        self._ticks = ticks
+        self._rate_hz = ticks.rate_hz
         self._hz = rate_hz
         self._count = 0
         self.due = ticks.firing(0, rate_hz)
@@ -56,7 +56,7 @@ class Task:
     def advance(self) -> None:
         """Move on to the next firing."""
         self._count += 1
-        self.due = self._ticks.firing(self._count, self._hz)
+        self.due = -(-self._count * self._rate_hz // self._hz)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from .assets.names import JOINT_INDEX
@@ -26,6 +27,18 @@ ODOMETRY_COLUMNS = (
 
 _TORSO = [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "ShoulderLeft", "ShoulderRight")]
 _HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "WristRight")]
+
+
+@njit(cache=True)
+def _keep(joints: Array, state: NDArray[np.int8], dancers: IntArray, out: NDArray[np.float32]) -> None:
+    """Write persons' positions and states to the rows of the dancers behind them; -1 stands for nobody."""
+    for p in range(len(dancers)):
+        if dancers[p] >= 0:
+            row = out[dancers[p]]
+            for j in range(joints.shape[1]):
+                for k in range(3):
+                    row[j, k] = joints[p, j, k]
+                row[j, 3] = state[p, j]
 
 
 class Ledger:
@@ -97,13 +110,7 @@ class Ledger:
             mount: where the sensor is.
         """
         if self._frames < len(self._skeletons):
-            known = dancers >= 0
-            row = self._skeletons[self._frames]
-            if known.all():
-                row[dancers, :, :3], row[dancers, :, 3] = skeletons.joints, skeletons.state
-            else:
-                row[dancers[known], :, :3] = skeletons.joints[known]
-                row[dancers[known], :, 3] = skeletons.state[known]
+            _keep(skeletons.joints, skeletons.state, dancers, self._skeletons[self._frames])
             self._mounts.setdefault(mount.name, (mount, []))[1].append(self._frames)
 
     def write(self, now: float, roots: Array, stage: Stage, fallen: NDArray[np.bool_]) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import heapq
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -28,13 +29,6 @@ class LinkQuality:
     ordered: bool = False
 
 
-@dataclass(order=True, slots=True)
-class _Parcel(Generic[T]):
-    t_arrival_s: float
-    sequence: int
-    message: T = field(compare=False)
-
-
 class Link(Generic[T]):
     """One direction of a link; messages go in with their sending time and come out in order of arrival.
 
@@ -46,16 +40,13 @@ class Link(Generic[T]):
     def __init__(self, quality: LinkQuality, rng: np.random.Generator) -> None:
         self._quality = quality
         self._rng = rng
-        self._heap: list[_Parcel[T]] = []
+        self._heap: list[tuple[float, int, T]] = []  # arrival, number sent: no two are equal
         self._sequence = 0
         self._last_arrival_s = -np.inf
+        self.next_arrival_s = math.inf
+        """When the next message comes out; infinite when none is under way."""
         self.sent = 0
         self.lost = 0
-
-    @property
-    def next_arrival_s(self) -> float:
-        """When the next message comes out; infinite when none is under way."""
-        return self._heap[0].t_arrival_s if self._heap else float("inf")
 
     def send(self, t_s: float, message: T) -> None:
         """Put a message in at session time ``t_s``; it may be lost.
@@ -73,13 +64,15 @@ class Link(Generic[T]):
         if self._quality.ordered:
             arrival = max(arrival, self._last_arrival_s)
             self._last_arrival_s = arrival
-        heapq.heappush(self._heap, _Parcel(arrival, self._sequence, message))
+        heapq.heappush(self._heap, (arrival, self._sequence, message))
         self._sequence += 1
+        self.next_arrival_s = self._heap[0][0]
 
     def receive(self, until_s: float) -> list[tuple[float, T]]:
         """Take out every message that has arrived by ``until_s``, as (arrival time, message), earliest first."""
         arrived: list[tuple[float, T]] = []
-        while self._heap and self._heap[0].t_arrival_s <= until_s:
-            parcel = heapq.heappop(self._heap)
-            arrived.append((parcel.t_arrival_s, parcel.message))
+        while self._heap and self._heap[0][0] <= until_s:
+            t_arrival_s, _, message = heapq.heappop(self._heap)
+            arrived.append((t_arrival_s, message))
+        self.next_arrival_s = self._heap[0][0] if self._heap else math.inf
         return arrived

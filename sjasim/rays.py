@@ -6,7 +6,7 @@ which cost several times as much for a scene of this size.
 
 from __future__ import annotations
 
-from math import acos, asin, inf, pi, sqrt
+from math import inf, sqrt
 
 import numpy as np
 from numba import njit
@@ -128,7 +128,7 @@ def hidden(
     directions, lengths = _aim(origin, points)
     for first in range(0, len(points), BUNDLE):
         last = min(first + BUNDLE, len(points))
-        found = _in_bundle(directions[first:last], rel, far, geoms, bounds, near)
+        found = _in_bundle(directions[first:last], lengths[first:last], rel, far, geoms, bounds, near)
         for n in range(first, last):
             d = directions[n]
             out[n] = False
@@ -162,26 +162,39 @@ def _aim(origin: Array, points: Array) -> tuple[Array, Array]:
 
 
 @njit(cache=True)
-def _in_bundle(bundle: Array, rel: Array, far: Array, geoms: IntArray, bounds: Array, near: IntArray) -> int:
-    """Write which geoms (places in ``geoms``) the cone around a bundle of rays may touch; returns how many."""
+def _in_bundle(
+    bundle: Array, lengths: Array, rel: Array, far: Array, geoms: IntArray, bounds: Array, near: IntArray
+) -> int:
+    """Write which geoms (places in ``geoms``) the cone around a bundle of rays may touch; returns how many.
+
+    A geom's sphere lies outside the cone if the angle to its centre exceeds that of the cone and its own together,
+    here by the cosines of both; and beyond the rays if its nearest point is farther than the farthest of their ends.
+    """
     axis = np.zeros(3)
     for d in bundle:
         axis += d
     length = sqrt(axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2)
-    spread = pi
+    cosine, sine, reach = -1.0, 0.0, 0.0
+    for n in range(len(lengths)):
+        reach = max(reach, lengths[n])
     if length > 0.5 * len(bundle):
         axis /= length
         least = 1.0
         for d in bundle:
             least = min(least, d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2])
-        spread = acos(max(-1.0, least)) + 1e-6
+        if least > 0.0:
+            cosine = least - 1e-6
+            sine = sqrt(1.0 - cosine * cosine)
     found = 0
     for i in range(len(geoms)):
         bound = bounds[geoms[i]]
-        if bound > 0.0 and far[i] > bound and spread < pi:
-            turned = (rel[i, 0] * axis[0] + rel[i, 1] * axis[1] + rel[i, 2] * axis[2]) / far[i]
-            if acos(max(-1.0, min(1.0, turned))) > spread + asin(bound / far[i]):
+        if bound > 0.0 and far[i] > bound:
+            if far[i] - bound > reach:
                 continue
+            if cosine > 0.0:
+                along = rel[i, 0] * axis[0] + rel[i, 1] * axis[1] + rel[i, 2] * axis[2]
+                if along < cosine * sqrt(far[i] * far[i] - bound * bound) - sine * bound:
+                    continue
         near[found] = i
         found += 1
     return found

@@ -94,6 +94,8 @@ class Session:
         self._down: dict[str, Link[Inward]] = {
             name: Link(down, stream(self.config.seed, "link", name, "down")) for name in names
         }
+        self._ups, self._downs = list(self._up.values()), list(self._down.values())
+        self._links: list[Link[Any]] = [*self._ups, *self._downs]
         self._arrival_s = math.inf
 
     @property
@@ -119,10 +121,10 @@ class Session:
             if self.server.active != self.handovers[-1].sensor:
                 self.handovers.append(Handover(now, self.server.active))
                 self.world.active = self.server.active
-            self._inputs = [parcel for link in self._down.values() for parcel in link.receive(now)] if arrived else []
             if arrived:
-                links: tuple[Link[Any], ...] = (*self._up.values(), *self._down.values())
-                self._arrival_s = min(link.next_arrival_s for link in links)
+                downs = [link for link in self._downs if link.next_arrival_s <= now]
+                self._inputs = [parcel for link in downs for parcel in link.receive(now)]
+                self._arrival_s = min([link.next_arrival_s for link in self._links])
 
     def _next_due_s(self) -> float:
         """When something happens outside the world: an arrival, a timer, a boundary."""
@@ -142,7 +144,7 @@ class Session:
         self._arrival_s = min(self._arrival_s, link.next_arrival_s)
 
     def _receive(self, now: float) -> None:
-        arrived = [parcel for link in self._up.values() for parcel in link.receive(now)]
+        arrived = [parcel for link in self._ups if link.next_arrival_s <= now for parcel in link.receive(now)]
         for t_arrival_s, message in sorted(arrived, key=lambda parcel: parcel[0]):
             if isinstance(message, RobotState):
                 self.dispatcher.robot(t_arrival_s, message)

@@ -88,6 +88,21 @@ def _floor_forces(pairs: IntArray, first: IntArray, force: Array, soles: IntArra
     return out
 
 
+@njit(cache=True)
+def _gather(
+    com: Array, velocity: Array, qpos: Array, qvel: Array, sites: Array, pelvis: IntArray, root: IntArray,
+    root_dof: IntArray, feet: IntArray, com_out: Array, velocity_out: Array, root_out: Array, rate_out: Array,
+    ankles_out: Array,
+) -> None:  # fmt: skip
+    """Copy every dancer's rows out of the physics; the outputs are those of `types.DancerStates`."""
+    for d in range(len(pelvis)):
+        for k in range(3):
+            com_out[d, k], velocity_out[d, k] = com[pelvis[d], k], velocity[pelvis[d], k]
+            ankles_out[d, 0, k], ankles_out[d, 1, k] = sites[feet[d, 0], k], sites[feet[d, 1], k]
+        for k in range(6):
+            root_out[d, k], rate_out[d, k] = qpos[root[d, k]], qvel[root_dof[d, k]]
+
+
 class Stage:
     """Physics of one session. Sensors see it through the read-only part that `types.StageView` names.
 
@@ -121,8 +136,11 @@ class Stage:
         self._forces, self._sensed, self._com, self._linvel = (
             d.actuator_force, d.sensordata, d.subtree_com, d.subtree_linvel,
         )  # fmt: skip
+        self._xpos, self._xmat = d.xpos, d.xmat
         self._joints_tick = -1
         self.tick = 0
+        self.time_s = 0.0
+        """Session time: ticks over rate [s]."""
         self.has_robot = robot is not None
         self._index(len(anatomies), body.tether == "weak")
         self._place(headings_rad, postures, pelvises)
@@ -211,16 +229,12 @@ class Stage:
         mujoco.mj_kinematics(self.model, d)
         self._joints_tick = -1
 
-    @property
-    def time_s(self) -> float:
-        """Session time: ticks over rate [s]."""
-        return self.ticks.time_s(self.tick)
-
     def step_to(self, tick: int) -> None:
         """Advance the physics to a tick."""
         if tick > self.tick:
             mujoco.mj_step(self.model, self.data, tick - self.tick)
             self.tick = tick
+            self.time_s = self.ticks.time_s(tick)
 
     def check(self) -> None:
         """Make sure that the physics is still sound; now and then is enough.
@@ -234,13 +248,19 @@ class Stage:
     def states(self) -> DancerStates:
         """What balance needs of every dancer."""
         mujoco.mj_subtreeVel(self.model, self.data)
-        return DancerStates(
-            com=self._com.take(self._pelvis, axis=0),
-            com_velocity=self._linvel.take(self._pelvis, axis=0),
-            root=self._qpos.take(self._root),
-            root_velocity=self._qvel.take(self._root_dof),
-            ankles=self._site_xpos.take(self._feet, axis=0),
+        count = len(self._pelvis)
+        states = DancerStates(
+            com=np.empty((count, 3)),
+            com_velocity=np.empty((count, 3)),
+            root=np.empty((count, 6)),
+            root_velocity=np.empty((count, 6)),
+            ankles=np.empty((count, 2, 3)),
         )
+        _gather(
+            self._com, self._linvel, self._qpos, self._qvel, self._site_xpos, self._pelvis, self._root,
+            self._root_dof, self._feet, *states,
+        )  # fmt: skip
+        return states
 
     def apply(self, targets: JointTargets) -> None:
         """Set the dancers' actuators; the stage keeps a copy."""
@@ -260,9 +280,9 @@ class Stage:
 
     def robot_pose(self) -> tuple[float, float, float]:
         """True position and heading (-pi to pi) of the robot [m, m, rad]."""
-        x, y, _ = self.data.xpos[self._base].tolist()
-        forward = self.data.xmat[self._base]
-        return x, y, math.atan2(forward.item(3), forward.item(0))
+        place, turn = 3 * self._base, 9 * self._base
+        x, y = self._xpos.item(place), self._xpos.item(place + 1)
+        return x, y, math.atan2(self._xmat.item(turn + 3), self._xmat.item(turn))
 
     @property
     def joints_m(self) -> Array:
@@ -295,7 +315,7 @@ class Stage:
 
     def copy_hands(self, out: Array) -> None:
         """Write the hands' centres, (D, 2, 3) left and right [m]."""
-        self._site_xpos.take(self._hands, axis=0, out=out)
+        self._site_xpos.take(self._hands, axis=0, out=out, mode="clip")
 
     @property
     def heights_m(self) -> Array:
@@ -305,7 +325,7 @@ class Stage:
     def copy_tether(self, out: Array) -> None:
         """Write the tethers' force x, y [N] and torque yaw, pitch, roll [Nm], (D, 5); without tethers nothing."""
         if self._tethered:
-            self._forces.take(self._tether, out=out)
+            self._forces.take(self._tether, out=out, mode="clip")
 
     def loads(self) -> Array:
         """(D,) floor force that each dancer's feet carry at this moment [N]."""

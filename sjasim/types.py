@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,8 +109,7 @@ class Cue:
         return replace(self, t_s=self.t_s + by_s)
 
 
-@dataclass(frozen=True, slots=True)
-class JointTargets:
+class JointTargets(NamedTuple):
     """Actuator targets of all dancers for one control tick (in the order of the cast).
 
     Attributes:
@@ -122,8 +121,7 @@ class JointTargets:
     root: Array
 
 
-@dataclass(frozen=True, slots=True)
-class DancerStates:
+class DancerStates(NamedTuple):
     """What the balance controller feels of every dancer at one tick.
 
     Attributes:
@@ -217,8 +215,7 @@ class StageView(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class Skeletons:
+class Skeletons(NamedTuple):
     """All persons' skeletons in one frame, as a sensing method delivers them; no clock yet.
 
     Attributes:
@@ -233,8 +230,7 @@ class Skeletons:
     state: NDArray[np.int8]
 
 
-@dataclass(frozen=True, slots=True)
-class SkeletonFrame:
+class SkeletonFrame(NamedTuple):
     """One processed frame: the skeletons of all persons with the clocks of their sensor.
 
     Attributes:
@@ -274,8 +270,7 @@ class DeviceEvent:
     t_onset_device_s: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class PersonStatus:
+class PersonStatus(NamedTuple):
     """Where a client believes a person is.
 
     Attributes:
@@ -401,16 +396,14 @@ class MoveCommand:
     yaw_rate_rad_s: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class WheelCommand:
+class WheelCommand(NamedTuple):
     """Wheel speeds for the base [rad/s]."""
 
     left_rad_s: float
     right_rad_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class WheelReading:
+class WheelReading(NamedTuple):
     """What the base's own sensors say: wheel angles since power-up [rad], yaw rate [rad/s]."""
 
     left_rad: float
@@ -418,8 +411,7 @@ class WheelReading:
     yaw_rate_rad_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class RobotState:
+class RobotState(NamedTuple):
     """The robot's own belief, from odometry; session clock (its computer runs the server's clock).
 
     Attributes:

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assets.names import JOINT_INDEX
 from ..choreography.layout import Mount
 from ..clock import DeviceClock
 from ..config import DetectorConfig, SensorConfig
 from ..types import (
-    TRACKED,
     ClientOrder,
     ClientStatus,
     DeviceEvent,
@@ -28,9 +25,8 @@ from ..types import (
     SyncRequest,
 )
 from .detectors import Detectors
-from .glimpse import places
+from .glimpse import report
 
-_SPINE_BASE = JOINT_INDEX["SpineBase"]
 _ROUNDING_S = 1e-9
 
 
@@ -56,8 +52,7 @@ class Sensing(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class _Capture:
+class _Capture(NamedTuple):
     t_s: float
     skeletons: Skeletons
     watched: bool
@@ -113,6 +108,7 @@ class Client:
         self._t_first_s = math.nan
         towards = -mount.world_from_sensor[:, 2]
         self._bearing_rad = math.atan2(towards[1], towards[0])
+        self._pose = np.column_stack([mount.world_from_sensor, mount.position])
 
     @property
     def next_output_s(self) -> float:
@@ -157,8 +153,10 @@ class Client:
     def outputs(self, t_s: float) -> list[DeviceEvent | ClientStatus]:
         """Everything from frames whose processing is over by session time ``t_s``, oldest first."""
         messages: list[DeviceEvent | ClientStatus] = []
-        while self._pending and self.next_output_s <= t_s + _ROUNDING_S:
-            ready_s = self.next_output_s
+        while self._pending:
+            ready_s = self._pending[0].t_s + self._latency_s
+            if ready_s > t_s + _ROUNDING_S:
+                break
             capture = self._pending.popleft()
             if ready_s < self._dead_from_s:
                 messages.extend(self._process(capture, ready_s))
@@ -201,13 +199,8 @@ class Client:
 
     def _status(self, t_device_s: float, skeletons: Skeletons) -> ClientStatus:
         """Report everyone whose SpineBase and hips are known; others are left out."""
-        base = self._mount.world_from_sensor.dot(skeletons.joints[:, _SPINE_BASE].T).T + self._mount.position
-        yaws = [place.yaw_rad() for place in places(skeletons.joints)]
-        tracked = np.add.reduce(skeletons.state == TRACKED, axis=1) / len(JOINT_INDEX)
-        rows = zip(skeletons.persons.tolist(), base.tolist(), yaws, tracked.tolist(), strict=True)
-        persons = (
-            PersonStatus(person, x, y, math.remainder(self._bearing_rad + yaw, math.tau), share)
-            for person, (x, y, _), yaw, share in rows
-            if math.isfinite(x + y + yaw)
-        )
-        return ClientStatus(self.name, t_device_s, tuple(persons))
+        found = np.empty((len(skeletons.joints), 4))
+        report(skeletons.joints, skeletons.state, self._pose, self._bearing_rad, found)
+        rows = zip(skeletons.persons.tolist(), found.tolist(), strict=True)
+        persons = tuple(PersonStatus(person, *row) for person, row in rows if math.isfinite(row[0] + row[1] + row[2]))
+        return ClientStatus(self.name, t_device_s, persons)

@@ -1,16 +1,17 @@
 """What the detectors look at: a few numbers per person from each frame.
 
-Two gathers take what matters out of a frame for all persons at once; the few dozen sums that follow are plain
-floats, which for three persons costs a third of what array operations do.
+One compiled call takes everybody's figures out of a frame.
 """
 
 from __future__ import annotations
 
-import math
 from collections import deque
+from math import atan2, hypot, isnan, nan, tau
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX
 from ..config import DetectorConfig
@@ -40,81 +41,95 @@ class Glimpse(NamedTuple):
     yaw_rate_rad_s: float
 
 
-class Places(NamedTuple):
-    """Coordinates of one person that the detectors need, in the sensor's frame [m]."""
-
-    base_z: float
-    mid_z: float
-    neck_z: float
-    left_z: float
-    right_z: float
-    left_x: float
-    right_x: float
-    left_y: float
-    right_y: float
-    left_hand_x: float
-    right_hand_x: float
-    left_hand_y: float
-    right_hand_y: float
-    left_hip_x: float
-    right_hip_x: float
-    left_hip_z: float
-    right_hip_z: float
-
-    def yaw_rad(self) -> float:
-        """Heading relative to facing the sensor, from the lines across shoulders and hips.
-
-        From the hips alone where a shoulder is missing (it leaves the range first); NaN where a hip is.
-        """
-        hips_x, hips_z = self.left_hip_x - self.right_hip_x, self.left_hip_z - self.right_hip_z
-        x, z = hips_x + self.left_x - self.right_x, hips_z + self.left_z - self.right_z
-        return math.atan2(hips_z, -hips_x) if math.isnan(x + z) else math.atan2(z, -x)
-
-    def hand_ratio(self) -> float:
-        """Hand distance over shoulder distance, both as the sensor sees them; NaN if the shoulders coincide."""
-        shoulders = math.hypot(self.left_x - self.right_x, self.left_y - self.right_y)
-        hands = math.hypot(self.left_hand_x - self.right_hand_x, self.left_hand_y - self.right_hand_y)
-        return hands / shoulders if shoulders > 0.0 else math.nan
-
-
-_PLACES = np.array(
-    [
-        3 * JOINT_INDEX[joint] + "xyz".index(axis)
-        for joint, axis in (
-            ("SpineBase", "z"), ("SpineMid", "z"), ("Neck", "z"), ("ShoulderLeft", "z"), ("ShoulderRight", "z"),
-            ("ShoulderLeft", "x"), ("ShoulderRight", "x"), ("ShoulderLeft", "y"), ("ShoulderRight", "y"),
-            ("HandLeft", "x"), ("HandRight", "x"), ("HandLeft", "y"), ("HandRight", "y"),
-            ("HipLeft", "x"), ("HipRight", "x"), ("HipLeft", "z"), ("HipRight", "z"),
-        )
-    ]
+BASE, MID, NECK, LEFT, RIGHT, HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT = (
+    JOINT_INDEX[name]
+    for name in (
+        "SpineBase", "SpineMid", "Neck", "ShoulderLeft", "ShoulderRight", "HandLeft", "HandRight", "HipLeft",
+        "HipRight",
+    )
 )  # fmt: skip
-"""Columns of a flattened skeleton, in the order of `Places`."""
-
-_STATES = np.array(
-    [JOINT_INDEX[name] for name in ("SpineMid", "Neck", "ShoulderLeft", "ShoulderRight", "HandLeft", "HandRight")]
-)
-
-_HANDS_TRACKED = [TRACKED] * 2
-"""The last two of `_STATES` when a clap can be seen."""
+_UPPER = np.array([MID, NECK, LEFT, RIGHT])
+_FIGURES = len(Glimpse._fields)
+_BASE_Z = _FIGURES
+_UPPER_Z = _FIGURES + 1
+_COLUMNS = _FIGURES + 1 + len(_UPPER)
+"""A person's row: the glimpse, then the depths that the next frames are compared with [m]."""
 
 
-def places(joints: Array) -> list[Places]:
-    """Take out what the detectors need.
+@njit(cache=True)
+def yaw_rad(joints: Array) -> float:
+    """Heading of one person (25, 3) relative to facing the sensor, from the lines across shoulders and hips.
+
+    From the hips alone where a shoulder is missing (it leaves the range first); NaN where a hip is.
+    """
+    hips_x, hips_z = joints[HIP_LEFT, 0] - joints[HIP_RIGHT, 0], joints[HIP_LEFT, 2] - joints[HIP_RIGHT, 2]
+    x, z = hips_x + joints[LEFT, 0] - joints[RIGHT, 0], hips_z + joints[LEFT, 2] - joints[RIGHT, 2]
+    return atan2(hips_z, -hips_x) if isnan(x + z) else atan2(z, -x)
+
+
+@njit(cache=True)
+def _hand_ratio(joints: Array) -> float:
+    """Hand distance over shoulder distance, both as the sensor sees them; NaN if the shoulders coincide."""
+    shoulders = hypot(joints[LEFT, 0] - joints[RIGHT, 0], joints[LEFT, 1] - joints[RIGHT, 1])
+    hands = hypot(joints[HAND_LEFT, 0] - joints[HAND_RIGHT, 0], joints[HAND_LEFT, 1] - joints[HAND_RIGHT, 1])
+    return hands / shoulders if shoulders > 0.0 else nan
+
+
+@njit(cache=True)
+def _look(
+    joints: Array, state: NDArray[np.int8], before: Array, oldest: Array, floor_m: float, span_s: float, out: Array
+) -> None:
+    """Write everybody's figures and depths, (P, `_COLUMNS`).
 
     Args:
         joints: (P, 25, 3) in the sensor's frame [m].
-
-    Returns:
-        one value for each of the P persons.
+        state: (P, 25) tracking states.
+        before: the same figures of the last frame.
+        oldest: of the frame that speeds are taken from.
+        floor_m: least motion between two frames that counts.
+        span_s: time since the oldest; 0 without one, which leaves speeds unknown.
+        out: output.
     """
-    rows = joints.reshape(len(joints), 3 * len(JOINT_INDEX)).take(_PLACES, axis=1).tolist()
-    return [Places._make(row) for row in rows]
+    for p in range(len(joints)):
+        row, body, known = out[p], joints[p], state[p]
+        row[_BASE_Z] = body[BASE, 2]
+        towards = away = tracked = 0
+        for k in range(len(_UPPER)):
+            z = row[_UPPER_Z + k] = body[_UPPER[k], 2]
+            if known[_UPPER[k]] == TRACKED:
+                way = before[p, _UPPER_Z + k] - z
+                tracked += 1
+                towards += way > floor_m
+                away += way < -floor_m
+        row[1], row[2], row[3] = towards, away, tracked
+        hands = known[HAND_LEFT] == TRACKED and known[HAND_RIGHT] == TRACKED
+        row[4] = _hand_ratio(body) if hands else nan
+        yaw = row[5] = yaw_rad(body)
+        row[0] = row[6] = nan
+        if span_s > 0.0:
+            row[0] = (oldest[p, _BASE_Z] - row[_BASE_Z]) / span_s
+            turned = yaw - oldest[p, 5]
+            row[6] = (turned - tau * np.rint(turned / tau)) / span_s
 
 
-class _Past(NamedTuple):
-    t_s: float
-    places: list[Places]
-    yaws: list[float]
+@njit(cache=True)
+def report(joints: Array, state: NDArray[np.int8], pose: Array, bearing_rad: float, out: Array) -> None:
+    """Write where everybody stands in the world: x, y [m], yaw [rad] and the share of tracked joints.
+
+    Args:
+        joints: (P, 25, 3) in the sensor's frame [m].
+        state: (P, 25) tracking states.
+        pose: (3, 4) rotation and position of the sensor in the world.
+        bearing_rad: heading of someone who faces the sensor.
+        out: (P, 4) output; NaN where SpineBase or a hip is not known.
+    """
+    for p in range(len(joints)):
+        base = joints[p, BASE]
+        for k in range(2):
+            out[p, k] = pose[k, 0] * base[0] + pose[k, 1] * base[1] + pose[k, 2] * base[2] + pose[k, 3]
+        yaw = bearing_rad + yaw_rad(joints[p])
+        out[p, 2] = yaw - tau * np.rint(yaw / tau)
+        out[p, 3] = np.sum(state[p] == TRACKED) / state.shape[1]
 
 
 class Glimpses:
@@ -134,7 +149,7 @@ class Glimpses:
     def __init__(self, config: DetectorConfig, rate_hz: int) -> None:
         self._floor_m_s = config.early_step_m * rate_hz
         self._frames = config.difference_frames
-        self._past: deque[_Past] = deque(maxlen=self._frames)
+        self._past: deque[tuple[float, Array]] = deque(maxlen=self._frames)
         self.span_s = 0.0
 
     def reset(self) -> None:
@@ -150,36 +165,12 @@ class Glimpses:
         Returns:
             one glimpse for each of its P persons.
         """
-        t_s = frame.t_sensor_s
-        now = places(frame.skeletons.joints)
-        states = frame.skeletons.state.take(_STATES, axis=1).tolist()
-        before = self._past[-1] if self._past else _Past(t_s, now, [])
-        floor_m = self._floor_m_s * (t_s - before.t_s)
-        oldest = self._past[0] if len(self._past) == self._frames else None
-        self.span_s = t_s - oldest.t_s if oldest else 0.0
-        seen = []
-        for row, place in enumerate(now):
-            yaw = place.yaw_rad()
-            speed = turned = math.nan
-            if oldest:
-                speed = (oldest.places[row].base_z - place.base_z) / self.span_s
-                turned = math.remainder(yaw - oldest.yaws[row], math.tau) / self.span_s
-            towards, away, tracked = _compare(place, before.places[row], states[row], floor_m)
-            ratio = place.hand_ratio() if states[row][4:] == _HANDS_TRACKED else math.nan
-            seen.append(Glimpse(speed, towards, away, tracked, ratio, yaw, turned))
-        self._past.append(_Past(t_s, now, [glimpse.yaw_rad for glimpse in seen]))
-        return seen
-
-
-def _compare(now: Places, before: Places, states: list[int], floor_m: float) -> tuple[int, int, int]:
-    """Counts of upper joints going towards the sensor, going away from it, and tracked."""
-    mid_state, neck_state, left_state, right_state, *_ = states
-    mid_ok, neck_ok = mid_state == TRACKED, neck_state == TRACKED
-    left_ok, right_ok = left_state == TRACKED, right_state == TRACKED
-    mid, neck = before.mid_z - now.mid_z, before.neck_z - now.neck_z
-    left, right = before.left_z - now.left_z, before.right_z - now.right_z
-    towards = (mid_ok and mid > floor_m) + (neck_ok and neck > floor_m)
-    towards += (left_ok and left > floor_m) + (right_ok and right > floor_m)
-    away = (mid_ok and mid < -floor_m) + (neck_ok and neck < -floor_m)
-    away += (left_ok and left < -floor_m) + (right_ok and right < -floor_m)
-    return towards, away, mid_ok + neck_ok + left_ok + right_ok
+        t_s, past = frame.t_sensor_s, self._past
+        joints = frame.skeletons.joints
+        seen = np.empty((len(joints), _COLUMNS))
+        before_s, before = past[-1] if past else (t_s, seen)
+        oldest_s, oldest = past[0] if len(past) == self._frames else (t_s, seen)
+        self.span_s = t_s - oldest_s
+        _look(joints, frame.skeletons.state, before, oldest, self._floor_m_s * (t_s - before_s), self.span_s, seen)
+        past.append((t_s, seen))
+        return [Glimpse._make(row[:_FIGURES]) for row in seen.tolist()]

@@ -15,7 +15,7 @@ from ..choreography.layout import Mount
 from ..config import SensorConfig
 from ..registry import register
 from ..types import Array, BoolArray, IntArray, Skeletons, StageView
-from .sight import age, locate, observe
+from .sight import BIAS, BLEND, DRIFT, ERRORS, HIDDEN, observe
 
 FLESH_M = 0.20
 """A ray that first meets the joint's own dancer so close before the joint counts as reaching it (assumed)."""
@@ -34,6 +34,7 @@ SETTLED_FACTOR = 1.5
 """A joint that is seen again is tracked once its error is at most this much larger than a visible joint's (assumed)."""
 
 _BLOCK_FRAMES = 32
+_NO_NOISE = np.empty((0, 3))
 
 _TORSO_NAMES = ("SpineBase", "SpineMid", "SpineShoulder", "ShoulderLeft", "ShoulderRight", "HipLeft", "HipRight")
 TORSO = np.array([JOINT_INDEX[name] for name in _TORSO_NAMES])
@@ -67,7 +68,7 @@ class JointsSensing:
     """
 
     def __init__(self, mount: Mount, config: SensorConfig, group: int, rng: np.random.Generator) -> None:
-        order, self._errors, self._losses = rng.spawn(3)
+        order, self._draws, self._losses = rng.spawn(3)
         self.dancers: IntArray = order.permutation(group).astype(np.int64)
         self._shape = (group, len(JOINTS))
         self.visible: BoolArray = np.zeros(self._shape, dtype=bool)
@@ -75,20 +76,19 @@ class JointsSensing:
         self._config = config
         self._persons: IntArray = np.arange(group, dtype=np.int64)
         self._persons.flags.writeable = False
-        self._sensor_from_world = np.ascontiguousarray(mount.world_from_sensor.T)
         slopes = [math.tan(angle / 2) for angle in (config.horizontal_fov_rad, config.vertical_fov_rad)]
-        self._limits = np.array([*slopes, config.min_range_m, config.max_range_m])
+        place = [*mount.world_from_sensor.T.reshape(-1), *mount.position]
+        self._eye = np.array([*place, *slopes, config.min_range_m, config.max_range_m])
         size = group * len(JOINTS)
-        self._bias = config.bias_m * self._errors.standard_normal((size, 3))
-        self._drift = config.drift_m * self._errors.standard_normal((size, 3))
-        self._arm = np.tile(_ARM, group)
-        self._hidden = np.where(self._arm, config.hidden_factor_hand, config.hidden_factor)
-        self._factor: Array = np.empty(0)
-        self._owners = self.dancers.repeat(len(JOINTS))
-        self._local = np.empty((size, 3))
-        self._in_view, self._reached = np.zeros(size, dtype=bool), self.visible.reshape(-1)
+        errors = np.zeros((size, ERRORS))
+        errors[:, BIAS : BIAS + 3] = config.bias_m * self._draws.standard_normal((size, 3))
+        errors[:, DRIFT : DRIFT + 3] = config.drift_m * self._draws.standard_normal((size, 3))
+        self._arm = np.tile(_ARM, (group, 1))
+        self._errors = errors.reshape(*self._shape, ERRORS)
+        self._errors[:, :, HIDDEN] = np.where(self._arm, config.hidden_factor_hand, config.hidden_factor)
+        self._owners = np.arange(group).repeat(len(JOINTS))
         self._noises: list[Array] = []
-        self._paces: dict[int, tuple[float, float, Array]] = {}
+        self._frames = 0
         self._t_s = -math.inf
 
     def sample(self, view: StageView) -> Skeletons | None:
@@ -102,41 +102,34 @@ class JointsSensing:
         """
         if self._config.frame_loss and self._losses.random() < self._config.frame_loss:
             return None
-        points = view.joints_m.take(self.dancers, axis=0).reshape(-1, 3)
-        hidden = view.hidden(self._mount.position, points, self._owners, FLESH_M)
-        locate(
-            points, self._mount.position, self._sensor_from_world, self._limits, hidden, self._local, self._in_view,
-            self._reached,
-        )  # fmt: skip
-        self._age(view.time_s)
+        truth = view.joints_m
+        hidden = view.hidden(self._mount.position, truth.reshape(-1, 3), self._owners, FLESH_M)
+        t_s = view.time_s
+        noise = _NO_NOISE if math.isinf(self._t_s) else self._noise()
+        frames = 1 if math.isinf(self._t_s) else max(1, round((t_s - self._t_s) * self._config.rate_hz))
+        self._t_s = t_s
+        if frames != self._frames:
+            self._pace(frames)
         joints = np.empty((*self._shape, 3))
         state = np.empty(self._shape, dtype=np.int8)
         observe(
-            self._local, self._in_view, self._reached, TORSO, self._bias, self._drift, self._factor, SETTLED_FACTOR,
-            joints, state,
+            truth, self.dancers, hidden, self._eye, TORSO, self._kept, self._fresh, noise, SETTLED_FACTOR,
+            self._errors, self.visible, joints, state,
         )  # fmt: skip
         joints.flags.writeable = state.flags.writeable = False
         return Skeletons(self._persons, joints, state)
 
-    def _age(self, t_s: float) -> None:
-        """Move the errors on to this frame; at the first one they are as the present sight leaves them."""
-        if not self._factor.size:
-            self._factor = np.where(self._reached, 1.0, self._hidden)
-        else:
-            kept, fresh, blend = self._pace(max(1, round((t_s - self._t_s) * self._config.rate_hz)))
-            age(self._reached, self._hidden, blend, kept, fresh, self._noise(), self._drift, self._factor)
-        self._t_s = t_s
-
     def _noise(self) -> Array:
         """Unit white noise for one frame, (N, 3); drawn for many frames at a time, which is cheaper."""
         if not self._noises:
-            self._noises = list(self._errors.standard_normal((_BLOCK_FRAMES, *self._drift.shape)))
+            size = len(self._owners)
+            self._noises = list(self._draws.standard_normal((_BLOCK_FRAMES, size, 3)))
         return self._noises.pop()
 
-    def _pace(self, frames: int) -> tuple[float, float, Array]:
-        """After so many frames: share of the drift kept, s.d. of what comes anew [m], (N,) share of factor's way."""
-        if frames not in self._paces:
-            kept = self._config.drift_correlation**frames
-            blend = 1.0 - np.exp(-frames / self._config.rate_hz / np.where(self._arm, HAND_BLEND_S, TORSO_BLEND_S))
-            self._paces[frames] = (kept, self._config.drift_m * math.sqrt(1.0 - kept**2), blend)
-        return self._paces[frames]
+    def _pace(self, frames: int) -> None:
+        """How errors move in so many frames: share of the drift kept, what comes anew, share of the factor's way."""
+        self._frames = frames
+        self._kept = self._config.drift_correlation**frames
+        self._fresh = self._config.drift_m * math.sqrt(1.0 - self._kept**2)
+        blend_s = np.where(self._arm, HAND_BLEND_S, TORSO_BLEND_S)
+        self._errors[:, :, BLEND] = 1.0 - np.exp(-frames / self._config.rate_hz / blend_s)

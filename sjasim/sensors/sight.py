@@ -8,91 +8,74 @@ from numpy.typing import NDArray
 
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array, BoolArray, IntArray
 
+BIAS, DRIFT, FACTOR, HIDDEN, BLEND, ERRORS = 0, 3, 6, 7, 8, 9
+"""Columns of a joint's errors: constant error [m], slow error [m], how much larger both are now, the factor that they
+tend to while the joint is hidden (1 while it is visible), and the share of the way there at this frame."""
+
 
 @njit(cache=True)
-def locate(
-    points: Array, position: Array, sensor_from_world: Array, limits: Array, hidden: BoolArray, local: Array,
-    in_view: BoolArray, visible: BoolArray,
-) -> None:  # fmt: skip
-    """Write where points are for a sensor, and whether they are in view and not hidden.
+def _locate(point: Array, eye: Array, local: Array) -> bool:
+    """Write where a world point is for a sensor; returns whether it is in the field of view and range."""
+    x, y, z = point[0] - eye[9], point[1] - eye[10], point[2] - eye[11]
+    for k in range(3):
+        local[k] = eye[3 * k] * x + eye[3 * k + 1] * y + eye[3 * k + 2] * z
+    depth = local[2]
+    wide, high = abs(local[0]) <= eye[12] * depth, abs(local[1]) <= eye[13] * depth
+    return bool(wide and high and depth >= eye[14] and depth <= eye[15])
 
-    Args:
-        points: (N, 3) world points [m].
-        position: (3,) the sensor's [m].
-        sensor_from_world: (3, 3) rotation.
-        limits: slopes of the field of view, nearest and farthest depth [m].
-        hidden: (N,) which points something stands before.
-        local: (N, 3) output, positions in the sensor's frame [m].
-        in_view: (N,) output, in the field of view and range.
-        visible: (N,) output, in view and not hidden.
-    """
-    for n in range(len(points)):
-        x, y, z = points[n, 0] - position[0], points[n, 1] - position[1], points[n, 2] - position[2]
-        for k in range(3):
-            local[n, k] = sensor_from_world[k, 0] * x + sensor_from_world[k, 1] * y + sensor_from_world[k, 2] * z
-        depth = local[n, 2]
-        in_view[n] = (
-            abs(local[n, 0]) <= limits[0] * depth
-            and abs(local[n, 1]) <= limits[1] * depth
-            and depth >= limits[2]
-            and depth <= limits[3]
-        )
-        visible[n] = in_view[n] and not hidden[n]
+
+@njit(cache=True)
+def _age(errors: Array, visible: bool, kept: float, fresh: float, noise: Array) -> None:
+    """Move a joint's errors on, in place."""
+    errors[FACTOR] += errors[BLEND] * ((1.0 if visible else errors[HIDDEN]) - errors[FACTOR])
+    for k in range(3):
+        errors[DRIFT + k] = kept * errors[DRIFT + k] + fresh * noise[k]
 
 
 @njit(cache=True)
 def observe(
-    local: Array, in_view: BoolArray, visible: BoolArray, torso: IntArray, bias: Array, drift: Array, factor: Array,
-    settled: float, joints: Array, state: NDArray[np.int8],
+    truth: Array, dancers: IntArray, hidden: BoolArray, eye: Array, torso: IntArray, kept: float, fresh: float,
+    noise: Array, settled: float, errors: Array, visible: BoolArray, joints: Array, state: NDArray[np.int8],
 ) -> None:  # fmt: skip
     """Write every person's joints with their errors, and their states; NaN where a joint is not tracked.
 
     Args:
-        local: (P J, 3) true joints in the sensor's frame [m].
-        in_view: (P J,) which lie in the field of view and range.
-        visible: (P J,) which a ray reaches.
+        truth: (D, J, 3) world points [m].
+        dancers: (P,) who is behind each person.
+        hidden: (D J,) which points something stands before.
+        eye: rotation into the sensor's frame (9, row-major), its position [m], the slopes of the field of view, and
+            nearest and farthest depth [m].
         torso: (K,) joints of the torso.
-        bias: (P J, 3) constant errors [m].
-        drift: (P J, 3) slow errors [m].
-        factor: (P J,) how much larger both are now.
+        kept: share of the drift that is kept since the last frame.
+        fresh: standard deviation of what comes anew [m].
+        noise: (P J, 3) unit white noise; empty at the first frame, at which errors are as the present sight leaves
+            them.
         settled: largest factor of a tracked joint.
-        joints: (P, J, 3) output [m].
+        errors: (P, J, `ERRORS`) moved on.
+        visible: (P, J) output, in view and not hidden.
+        joints: (P, J, 3) output, in the sensor's frame [m].
         state: (P, J) output.
     """
     each = joints.shape[1]
-    for p in range(joints.shape[0]):
+    in_view = np.empty(each, np.bool_)
+    for p in range(len(dancers)):
+        for j in range(each):
+            error = errors[p, j]
+            in_view[j] = _locate(truth[dancers[p], j], eye, joints[p, j])
+            visible[p, j] = in_view[j] and not hidden[dancers[p] * each + j]
+            if len(noise):
+                _age(error, visible[p, j], kept, fresh, noise[p * each + j])
+            else:
+                error[FACTOR] = 1.0 if visible[p, j] else error[HIDDEN]
         known = False
         for j in torso:
-            known = known or visible[p * each + j]
+            known = known or visible[p, j]
         for j in range(each):
-            n = p * each + j
-            if not (known and in_view[n]):
+            error = errors[p, j]
+            if not (known and in_view[j]):
                 state[p, j] = NOT_TRACKED
                 joints[p, j, :] = np.nan
                 continue
-            state[p, j] = TRACKED if visible[n] and factor[n] <= settled else INFERRED
+            state[p, j] = TRACKED if visible[p, j] and error[FACTOR] <= settled else INFERRED
             for k in range(3):
-                joints[p, j, k] = local[n, k] + factor[n] * (bias[n, k] + drift[n, k])
-
-
-@njit(cache=True)
-def age(
-    visible: BoolArray, hidden: Array, blend: Array, kept: float, fresh: float, noise: Array, drift: Array,
-    factor: Array,
-) -> None:  # fmt: skip
-    """Move the errors on, in place.
-
-    Args:
-        visible: (N,) which joints are seen now.
-        hidden: (N,) factor that a hidden joint's error tends to; a visible one's tends to 1.
-        blend: (N,) share of the way there.
-        kept: share of the drift that is kept.
-        fresh: standard deviation of what comes anew [m].
-        noise: (N, 3) unit white noise.
-        drift: (N, 3) [m].
-        factor: (N,).
-    """
-    for n in range(len(visible)):
-        factor[n] += blend[n] * ((1.0 if visible[n] else hidden[n]) - factor[n])
-        for k in range(3):
-            drift[n, k] = kept * drift[n, k] + fresh * noise[n, k]
+                joints[p, j, k] += error[FACTOR] * (error[BIAS + k] + error[DRIFT + k])

@@ -77,16 +77,13 @@ class Server:
         self._started: dict[str, Event] = {}
         self._logged: dict[tuple[str, Kind], float] = {}
         self.notices: list[Notice] = []
+        self.next_due_s = 0.0
+        """Session time at which `due` has something to do."""
 
     @property
     def active(self) -> str:
         """Sensor of the active client."""
         return self._active.name
-
-    @property
-    def next_due_s(self) -> float:
-        """Session time at which `due` has something to do."""
-        return min(self._order_due_s, self._roll_call.next_due_s, *self._sync_due_s.values())
 
     def session_time(self, sensor: str, t_device_s: float) -> float:
         """Session time of a sensor's device time, by the present estimate of its clock [s].
@@ -149,6 +146,7 @@ class Server:
             ]
             self._order_due_s = t_s + ORDER_S
             self._ordered = watching
+        self.next_due_s = min(self._order_due_s, self._roll_call.next_due_s, *self._sync_due_s.values())
         return out
 
     def _durations(self, sensor: str) -> tuple[MoveDuration, ...]:
