@@ -41,6 +41,21 @@ def _keep(joints: Array, state: NDArray[np.int8], dancers: IntArray, out: NDArra
                 row[j, 3] = state[p, j]
 
 
+@njit(cache=True)
+def _see(
+    truth: Array, visible: NDArray[np.bool_], dancers: IntArray, joints: NDArray[np.float32], seen: NDArray[np.bool_]
+) -> None:
+    """Write true joints, and what could be seen of each dancer."""
+    for d in range(joints.shape[0]):
+        for j in range(joints.shape[1]):
+            for k in range(3):
+                joints[d, j, k] = truth[d, j, k]
+    for p in range(len(dancers)):
+        if dancers[p] >= 0:
+            for j in range(seen.shape[1]):
+                seen[dancers[p], j] = visible[p, j]
+
+
 class Ledger:
     """Columns of truth and odometry, and the joints at frame rate.
 
@@ -94,10 +109,10 @@ class Ledger:
         frame = self._frames
         if frame >= len(self._joints):
             return
-        self._joints[frame] = joints_m
-        if visible is not None and dancers is not None:
-            known = dancers >= 0
-            self._visible[frame, dancers[known]] = visible[known]
+        if visible is None or dancers is None:
+            self._joints[frame] = joints_m
+        else:
+            _see(joints_m, visible, dancers, self._joints[frame], self._visible[frame])
             self._watched[frame] = True
         self._frames += 1
 

@@ -39,7 +39,7 @@ class Link(Generic[T]):
 
     def __init__(self, quality: LinkQuality, rng: np.random.Generator) -> None:
         self._quality = quality
-        self._rng = rng
+        self._random, self._exponential = rng.random, rng.standard_exponential
         self._heap: list[tuple[float, int, T]] = []  # arrival, number sent: no two are equal
         self._sequence = 0
         self._last_arrival_s = -np.inf
@@ -55,8 +55,8 @@ class Link(Generic[T]):
         changes nothing else.
         """
         self.sent += 1
-        lost = self._rng.random() < self._quality.loss
-        delay = self._quality.latency_s + self._rng.exponential(1.0) * self._quality.jitter_s
+        lost = self._random() < self._quality.loss
+        delay = self._quality.latency_s + self._exponential() * self._quality.jitter_s
         if lost:
             self.lost += 1
             return

@@ -91,16 +91,15 @@ def _floor_forces(pairs: IntArray, first: IntArray, force: Array, soles: IntArra
 @njit(cache=True)
 def _gather(
     com: Array, velocity: Array, qpos: Array, qvel: Array, sites: Array, pelvis: IntArray, root: IntArray,
-    root_dof: IntArray, feet: IntArray, com_out: Array, velocity_out: Array, root_out: Array, rate_out: Array,
-    ankles_out: Array,
+    root_dof: IntArray, feet: IntArray, out: Array,
 ) -> None:  # fmt: skip
-    """Copy every dancer's rows out of the physics; the outputs are those of `types.DancerStates`."""
+    """Copy every dancer's rows out of the physics; the output is that of `types.DancerStates`."""
     for d in range(len(pelvis)):
         for k in range(3):
-            com_out[d, k], velocity_out[d, k] = com[pelvis[d], k], velocity[pelvis[d], k]
-            ankles_out[d, 0, k], ankles_out[d, 1, k] = sites[feet[d, 0], k], sites[feet[d, 1], k]
+            out[d, k], out[d, 3 + k] = com[pelvis[d], k], velocity[pelvis[d], k]
+            out[d, 18 + k], out[d, 21 + k] = sites[feet[d, 0], k], sites[feet[d, 1], k]
         for k in range(6):
-            root_out[d, k], rate_out[d, k] = qpos[root[d, k]], qvel[root_dof[d, k]]
+            out[d, 6 + k], out[d, 12 + k] = qpos[root[d, k]], qvel[root_dof[d, k]]
 
 
 class Stage:
@@ -248,19 +247,12 @@ class Stage:
     def states(self) -> DancerStates:
         """What balance needs of every dancer."""
         mujoco.mj_subtreeVel(self.model, self.data)
-        count = len(self._pelvis)
-        states = DancerStates(
-            com=np.empty((count, 3)),
-            com_velocity=np.empty((count, 3)),
-            root=np.empty((count, 6)),
-            root_velocity=np.empty((count, 6)),
-            ankles=np.empty((count, 2, 3)),
-        )
+        felt = np.empty((len(self._pelvis), 24))
         _gather(
             self._com, self._linvel, self._qpos, self._qvel, self._site_xpos, self._pelvis, self._root,
-            self._root_dof, self._feet, *states,
+            self._root_dof, self._feet, felt,
         )  # fmt: skip
-        return states
+        return DancerStates(felt)
 
     def apply(self, targets: JointTargets) -> None:
         """Set the dancers' actuators; the stage keeps a copy."""

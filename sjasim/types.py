@@ -125,18 +125,21 @@ class DancerStates(NamedTuple):
     """What the balance controller feels of every dancer at one tick.
 
     Attributes:
-        com: (D, 3) centre of mass [m].
-        com_velocity: (D, 3) its velocity [m/s].
-        root: (D, 6) pelvis x, y, z [m], yaw, pitch (forward positive), roll [rad].
-        root_velocity: (D, 6) its rates.
-        ankles: (D, 2, 3) left and right ankle [m].
+        felt: (D, 24) centre of mass [m] and its velocity [m/s]; pelvis x, y, z [m], yaw, pitch (forward positive),
+            roll [rad], and their rates; left and right ankle [m].
     """
 
-    com: Array
-    com_velocity: Array
-    root: Array
-    root_velocity: Array
-    ankles: Array
+    felt: Array
+
+    @property
+    def root(self) -> Array:
+        """(D, 6) pelvis x, y, z [m], yaw, pitch, roll [rad]."""
+        return self.felt[:, 6:12]
+
+    @property
+    def ankles(self) -> Array:
+        """(D, 2, 3) left and right ankle [m]."""
+        return self.felt[:, 18:24].reshape(-1, 2, 3)
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,7 +27,7 @@ from .logs import AgentEvent, Notice
 from .registry import resolve
 from .robot.executor import Executor
 from .robot.odometry import Odometry, RobotEventDetector
-from .sensors.client import Client, Sensing
+from .sensors.client import ROUNDING_S, Client, Sensing
 from .stage import Stage
 from .types import (
     ROBOT,
@@ -150,7 +150,7 @@ class PhysicsWorld:
         self._has_robot = robot
         self._blocked_from_s = _first_s(config.faults, "robot_blocked")
         self._dead_from_s = _first_s(config.faults, "dead_robot")
-        self._blocked = False
+        self._blocked = self._feels = False
         if robot:
             pose = (float(layout.robot[0]), float(layout.robot[1]), self._timetable.heading_rad(1))
             self._odometry = Odometry(config.robot, pose, stream(config.seed, "robot", "gyro"))
@@ -196,12 +196,12 @@ class PhysicsWorld:
         goal = self.stage.ticks.at_or_after(until_s)
         if until_s > now:  # whatever rounding says, time goes on
             goal = max(goal, self.stage.tick + 1)
-        while self.stage.tick < goal and not self._outbox:
+        stage, balance, frame, robot = self.stage, self._balance_task, self._frame_task, self._robot_task
+        while stage.tick < goal and not self._outbox:
             self._fire()
             if self._outbox:
                 break
-            due = min(self._balance_task.due, self._frame_task.due, self._robot_task.due, goal)
-            self.stage.step_to(due)
+            stage.step_to(min(balance.due, frame.due, robot.due, goal))
         return self._outbox
 
     def latest(self, sensor: str) -> SkeletonFrame | None:
@@ -210,8 +210,7 @@ class PhysicsWorld:
 
     def _fire(self) -> None:
         """Do everything that is due at this tick, before the physics goes on."""
-        tick = self.stage.tick
-        now = self.time_s
+        tick, now = self.stage.tick, self.stage.time_s
         if tick == self._robot_task.due:
             self.drive(now)
             self._robot_task.advance()
@@ -223,8 +222,10 @@ class PhysicsWorld:
             self._balance_task.advance()
 
     def drive(self, now: float) -> None:
-        """A tick of the robot: odometry, events, wheel command."""
-        self.ledger.feel(self.stage)
+        """A tick of the robot: odometry, events, wheel command; at every second one the floor's force is felt."""
+        self._feels = not self._feels
+        if self._feels:
+            self.ledger.feel(self.stage)
         if not self._has_robot:
             return
         if now >= self._dead_from_s:
@@ -253,7 +254,8 @@ class PhysicsWorld:
             skeletons = client.capture(now, self.stage)
             if name == self.active and skeletons is not None:
                 self.ledger.estimate(skeletons, self._sensing[name].dancers, self._mounts[name])
-            self._outbox.extend(client.outputs(now))
+            if client.next_output_s <= now + ROUNDING_S:
+                self._outbox.extend(client.outputs(now))
         faced = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
         sensing = self._sensing[faced]
         watched = self._clients[faced].watches(now)

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from dataclasses import astuple, dataclass
 from math import cos, exp, sin
-from typing import Any
 
 import numpy as np
 from numba import njit
@@ -25,13 +24,12 @@ HIP_Z, HIP_X, HIP_Y, _, ANKLE_Y, ANKLE_X = range(6)
 (
     PRESSURE_ALONG, PRESSURE_ACROSS, PITCH, PITCH_RATE, ROLL, STEP_ALONG, STEP_ACROSS, DRIFT, YAW, DECAY, AHEAD, EFFORT,
 ) = range(12)  # fmt: skip
-Gains = tuple[float, ...]
 Plan = tuple[Array, Array, Array, Array, Array, Array, Array, Array]
 """Joints, pelvis, yaw, divergent component, weight, ankles, time to landing, torque: rows per tick."""
-Felt = tuple[Array, Array, Array, Array, Array]
-"""Centre of mass and its velocity, root and its velocity, ankles."""
-Servo = tuple[Array, Array, Array, Any, Any]
-"""Stiffness, leads of hinges and tether, body weight, leg length."""
+COM, VELOCITY, ROOT, RATE, LEFT, RIGHT = 0, 3, 6, 12, 18, 21
+"""Where the parts of `types.DancerStates.felt` begin."""
+STIFFNESS, LEAD, ROOT_LEAD, WEIGHT, LEG = 0, 25, 50, 55, 56
+"""Where the parts of a dancer's actuators begin: stiffness, leads of hinges and tether, body weight, leg length."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +87,7 @@ def _limited(value: float, low: float, high: float) -> float:
 @njit(cache=True)
 def _stand(
     u: Array, leg: IntArray, on: float, push: tuple[float, float], root: Array, rate: float, off: float,
-    load: float, stiffness: Array, gain: Gains,
+    load: float, stiffness: Array, gain: Array,
 ) -> None:  # fmt: skip
     """Standing leg: the ankle moves the pressure point, the hip rights the trunk."""
     hz, hx, hy, ay, ax = leg[HIP_Z], leg[HIP_X], leg[HIP_Y], leg[ANKLE_Y], leg[ANKLE_X]
@@ -103,7 +101,7 @@ def _stand(
 @njit(cache=True)
 def _foothold(
     shift: Array, sign: float, landing: float, omega: float, error: tuple[float, float], drift: tuple[float, float],
-    off: float, gain: Gains,
+    off: float, gain: Array,
 ) -> None:  # fmt: skip
     """Where a swinging foot should land other than planned: forward, left [m] and yaw [rad], in place."""
     grow = exp(omega * min(landing, 0.4))
@@ -125,27 +123,32 @@ def _reach(u: Array, leg: IntArray, shift: Array, length: float) -> None:
 
 @njit(cache=True)
 def _correct(
-    i: int, rate: float, omega: float, plan: Plan, felt: Felt, servo: Servo, gain: Gains, shift: Array, u: Array,
+    i: int, rate: float, omega: float, plan: Plan, felt: Array, servo: Array, gain: Array, shift: Array, u: Array,
     root_out: Array,
 ) -> None:  # fmt: skip
     """Targets of one dancer for one tick."""
     joints, pelvis, yaw, dcm, weight, ankles, landing, torque = plan
-    com, velocity, root, root_velocity, feet = felt
-    stiffness, lead, root_lead, load, length = servo
+    root, stiffness, root_lead = felt[ROOT:RATE], servo[STIFFNESS:LEAD], servo[ROOT_LEAD:WEIGHT]
     last = len(yaw) - 1
     a, b = max(i - 1, 0), min(i + 1, last)
     i = min(i, last)
     per, ahead = rate / max(b - a, 1), gain[AHEAD]
-    _follow_plan(joints[i], joints[a], joints[b], per, lead, ahead, u)
+    _follow_plan(joints[i], joints[a], joints[b], per, servo[LEAD:ROOT_LEAD], ahead, u)
     for k in range(len(u)):
         u[k] += gain[EFFORT] * (torque[i, k] + ahead * per * (torque[b, k] - torque[a, k])) / stiffness[k]
     _follow_plan(pelvis[i], pelvis[a], pelvis[b], per, root_lead[:2], ahead, root_out[:2])
     root_out[2] = yaw[i] + (root_lead[2] + ahead) * per * (yaw[b] - yaw[a])
     w, off = weight[i], root[3] - yaw[i]
-    stray = w * (feet[0] - ankles[i, 0]) + (1 - w) * (feet[1] - ankles[i, 1])
-    drift = _turned(root[3], stray[0], stray[1])
-    miss = com[:2] + velocity[:2] / omega - dcm[i]
-    error = _turned(root[3], miss[0], miss[1])
+    drift = _turned(
+        root[3],
+        w * (felt[LEFT] - ankles[i, 0, 0]) + (1 - w) * (felt[RIGHT] - ankles[i, 1, 0]),
+        w * (felt[LEFT + 1] - ankles[i, 0, 1]) + (1 - w) * (felt[RIGHT + 1] - ankles[i, 1, 1]),
+    )
+    error = _turned(
+        root[3],
+        felt[COM] + felt[VELOCITY] / omega - dcm[i, 0],
+        felt[COM + 1] + felt[VELOCITY + 1] / omega - dcm[i, 1],
+    )
     wide = 0.08 if 0.15 < w < 0.85 else 0.03
     push = (
         _limited(gain[PRESSURE_ALONG] * error[0], -0.09, 0.12),
@@ -155,31 +158,27 @@ def _correct(
         on, sign = (w, 1.0) if side == 0 else (1.0 - w, -1.0)
         leg = _LEGS[side]
         if on >= 0.03:
-            _stand(u, leg, on, push, root, root_velocity[4], off, load, stiffness, gain)
+            _stand(u, leg, on, push, root, felt[RATE + 4], off, servo[WEIGHT], stiffness, gain)
         if landing[i, side] > 0:
             _foothold(shift[side], sign, landing[i, side], omega, error, drift, off, gain)
             u[leg[ANKLE_Y]] -= root[4]
             u[leg[ANKLE_X]] -= root[5]
         else:
             shift[side] *= gain[DECAY]
-        _reach(u, leg, shift[side], length)
+        _reach(u, leg, shift[side], servo[LEG])
 
 
 @njit(cache=True)
 def _correct_all(
-    i: int, rate: float, omega: Array, plan: Plan, felt: Felt, servo: Servo, gain: Gains, shift: Array, out: Array,
+    i: int, rate: float, omega: Array, plan: Plan, felt: Array, servo: Array, gain: Array, shift: Array, out: Array,
     root_out: Array,
 ) -> None:  # fmt: skip
     joints, pelvis, yaw, dcm, weight, ankles, landing, torque = plan
-    com, velocity, root, root_velocity, feet = felt
-    stiffness, lead, root_lead, load, length = servo
     for d in range(len(omega)):
         _correct(
             i, rate, omega[d],
             (joints[d], pelvis[d], yaw[d], dcm[d], weight[d], ankles[d], landing[d], torque[d]),
-            (com[d], velocity[d], root[d], root_velocity[d], feet[d]),
-            (stiffness[d], lead[d], root_lead[d], load[d], length[d]),
-            gain, shift[d], out[d], root_out[d],
+            felt[d], servo[d], gain, shift[d], out[d], root_out[d],
         )  # fmt: skip
 
 
@@ -199,10 +198,10 @@ class Balance:
     ) -> None:
         r, s = reference, servos
         self._plan = (r.joints, r.pelvis, r.yaw, r.dcm, r.weight, r.ankles, r.landing, r.torque)
-        self._servo = (s.stiffness, s.lead, s.root_lead, s.weight, s.leg)
+        self._servo = np.column_stack([s.stiffness, s.lead, s.root_lead, s.weight, s.leg])
         self._omega = omega
         self._rate = float(rate_hz)
-        self._gains = astuple(gains or BalanceGains())
+        self._gains = np.array(astuple(gains or BalanceGains()))
         dancers = len(omega)
         self._shift = np.zeros((dancers, 2, 3))
         self._joints = np.zeros((dancers, 25))
@@ -210,9 +209,8 @@ class Balance:
 
     def targets(self, tick: int, states: DancerStates) -> JointTargets:
         """Targets for one control tick; the arrays are overwritten by the next call."""
-        felt = states.com, states.com_velocity, states.root, states.root_velocity, states.ankles
         _correct_all(
-            tick, self._rate, self._omega, self._plan, felt, self._servo, self._gains, self._shift, self._joints,
+            tick, self._rate, self._omega, self._plan, states.felt, self._servo, self._gains, self._shift, self._joints,
             self._root,
         )  # fmt: skip
         return JointTargets(self._joints, self._root)

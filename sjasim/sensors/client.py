@@ -27,7 +27,8 @@ from ..types import (
 from .detectors import Detectors
 from .glimpse import report
 
-_ROUNDING_S = 1e-9
+ROUNDING_S = 1e-9
+"""How much later than its time an output still counts as on time [s]."""
 
 
 class Sensing(Protocol):
@@ -80,6 +81,7 @@ class Client:
     Attributes:
         name: the sensor's name.
         watching: whether it detects.
+        next_output_s: session time at which the next frame will have been processed; infinite when none is under way.
     """
 
     def __init__(
@@ -102,6 +104,7 @@ class Client:
         self._detectors = Detectors(detector_config, sensor_config.rate_hz)
         self._latency_s = sensor_config.latency_frames / sensor_config.rate_hz
         self._pending: deque[_Capture] = deque()
+        self.next_output_s = math.inf
         self._latest: SkeletonFrame | None = None
         self._ticks = 0
         self._report_due = False
@@ -109,11 +112,6 @@ class Client:
         towards = -mount.world_from_sensor[:, 2]
         self._bearing_rad = math.atan2(towards[1], towards[0])
         self._pose = np.column_stack([mount.world_from_sensor, mount.position])
-
-    @property
-    def next_output_s(self) -> float:
-        """Session time at which the next frame will have been processed; infinite when none is under way."""
-        return self._pending[0].t_s + self._latency_s if self._pending else math.inf
 
     @property
     def latest(self) -> SkeletonFrame | None:
@@ -146,6 +144,8 @@ class Client:
             return None
         if math.isnan(self._t_first_s):
             self._t_first_s = t_s
+        if not self._pending:
+            self.next_output_s = t_s + self._latency_s
         self._pending.append(_Capture(t_s, skeletons, self.watching, self._report_due))
         self._report_due = False
         return skeletons
@@ -153,11 +153,9 @@ class Client:
     def outputs(self, t_s: float) -> list[DeviceEvent | ClientStatus]:
         """Everything from frames whose processing is over by session time ``t_s``, oldest first."""
         messages: list[DeviceEvent | ClientStatus] = []
-        while self._pending:
-            ready_s = self._pending[0].t_s + self._latency_s
-            if ready_s > t_s + _ROUNDING_S:
-                break
-            capture = self._pending.popleft()
+        while self.next_output_s <= t_s + ROUNDING_S:
+            ready_s, capture = self.next_output_s, self._pending.popleft()
+            self.next_output_s = self._pending[0].t_s + self._latency_s if self._pending else math.inf
             if ready_s < self._dead_from_s:
                 messages.extend(self._process(capture, ready_s))
         return messages
