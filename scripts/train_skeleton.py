@@ -1,7 +1,7 @@
 """Train the skeleton model that depth sensing uses, from the project's own bodies and motions.
 
     python scripts/train_skeleton.py                      # under five minutes on two cores
-    python scripts/train_skeleton.py --small --out /tmp/small.npz
+    python scripts/train_skeleton.py --small --out small.npz
 
 Needs the extra `train` (scikit-learn). The same seed gives the same arrays on the same machine; elsewhere another
 version of a library may round differently, so what counts is the evaluation (scripts/evaluate_skeleton.py).

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
@@ -220,8 +221,9 @@ class _Dance(gym.Env[Any, Any]):
     def _observed(self) -> Any:
         return self._observer.named()
 
+    @abstractmethod
     def _act(self, session: Session, action: Any) -> None:
-        raise NotImplementedError
+        """Put an action in force; each environment has its own kind."""
 
 
 class DanceEnv(_Dance):
