@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+from .answers import Answer, Brief
 from .anticipation.method import Method, build
 from .choreography.layout import layout
 from .choreography.timetable import timetable
@@ -26,8 +27,6 @@ from .server.dispatch import Dispatcher
 from .server.server import Server
 from .types import (
     ROBOT,
-    Answer,
-    Brief,
     ClientStatus,
     DeviceEvent,
     Event,

@@ -8,7 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sjasim.types import Answer, Brief, Event, Intention
+from sjasim.answers import Answer, Brief, Intention
+from sjasim.types import (
+    Event,
+)
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ import numpy as np
 from gymnasium import error, spaces
 from numpy.typing import NDArray
 
+from sjasim.answers import Answer, Brief
 from sjasim.anticipation.features import MOVES
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
@@ -21,7 +22,10 @@ from sjasim.config_io import from_plain
 from sjasim.errors import SjasimError
 from sjasim.render import Renderer
 from sjasim.session import HUMANS_ONLY, Session
-from sjasim.types import Answer, Brief, Event, Move
+from sjasim.types import (
+    Event,
+    Move,
+)
 from sjasim.window import Window
 
 from .observation import Observer

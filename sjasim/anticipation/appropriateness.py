@@ -13,7 +13,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..types import Array, Kind, Step
+from ..answers import Step
+from ..types import (
+    Array,
+    Kind,
+)
 
 BoolArray = NDArray[np.bool_]
 

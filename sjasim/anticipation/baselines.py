@@ -7,9 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..answers import Answer, Brief, Intention
 from ..errors import ConfigError
 from ..registry import register
-from ..types import Answer, Brief, Event, Intention
+from ..types import (
+    Event,
+)
 from .eca import LEAD_S
 from .history import nominal_times
 

@@ -10,9 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..answers import Answer, Brief, Intention
 from ..errors import ConfigError
 from ..registry import register
-from ..types import Answer, Brief, Event, Intention
+from ..types import (
+    Event,
+)
 from .appropriateness import EPSILON_S
 from .history import History
 

@@ -8,7 +8,13 @@ from bisect import bisect_left
 import numpy as np
 from numpy.typing import NDArray
 
-from ..types import SYNCHRONY_KINDS, Array, Brief, Event, Move
+from ..answers import Brief
+from ..types import (
+    SYNCHRONY_KINDS,
+    Array,
+    Event,
+    Move,
+)
 from .appropriateness import EPSILON_S
 from .history import History, nominal_times
 

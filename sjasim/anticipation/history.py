@@ -6,7 +6,12 @@ from collections import defaultdict
 
 import numpy as np
 
-from ..types import Array, Brief, Event, Kind
+from ..answers import Brief
+from ..types import (
+    Array,
+    Event,
+    Kind,
+)
 from .appropriateness import ideal_times, occurrences
 from .synchrony import Series
 

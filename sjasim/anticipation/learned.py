@@ -9,9 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
+from ..answers import Answer, Brief, Intention, Wake
 from ..errors import ConfigError
 from ..registry import register
-from ..types import Answer, Array, Brief, Event, Intention, Kind, Move, Wake
+from ..types import (
+    Array,
+    Event,
+    Kind,
+    Move,
+)
 from .features import MOVES, Features
 
 _MOVE = {

@@ -32,9 +32,12 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from ..answers import Answer, Brief
 from ..errors import ConfigError, PluginError
 from ..registry import resolve
-from ..types import Answer, Brief, Event
+from ..types import (
+    Event,
+)
 
 
 @runtime_checkable

@@ -10,9 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..answers import Answer, Brief, Intention, Withdrawal
 from ..errors import ConfigError
 from ..registry import register
-from ..types import Answer, Array, Brief, Event, Intention, Kind, Withdrawal
+from ..types import (
+    Array,
+    Event,
+    Kind,
+)
 from .appropriateness import EPSILON_S
 from .eca import LEAD_S, scheduled
 from .history import History

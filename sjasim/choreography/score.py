@@ -8,8 +8,13 @@ from functools import cached_property
 
 import numpy as np
 
+from ..answers import Step
 from ..errors import ConfigError
-from ..types import Array, Kind, Move, Step
+from ..types import (
+    Array,
+    Kind,
+    Move,
+)
 
 MOVE_EVENTS = {
     Move.FORWARD: (Kind.START_FORWARD, Kind.STOP_FORWARD),

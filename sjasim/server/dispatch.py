@@ -8,21 +8,17 @@ from collections.abc import Iterable
 from dataclasses import replace
 from statistics import median
 
+from ..answers import Answer, Brief, Intention, Wake, Withdrawal
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
 from ..config import RobotConfig
 from ..logs import Decision, Notice
 from ..types import (
     ROBOT,
-    Answer,
-    Brief,
-    Intention,
     Kind,
     Move,
     MoveCommand,
     RobotState,
-    Wake,
-    Withdrawal,
 )
 
 MOVES = {

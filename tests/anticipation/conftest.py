@@ -5,10 +5,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from sjasim.answers import Brief, Intention
 from sjasim.anticipation.method import build
 from sjasim.choreography.paper import paper
 from sjasim.choreography.score import TempoMap, Timetable
-from sjasim.types import Brief, Event, Intention, Kind
+from sjasim.types import (
+    Event,
+    Kind,
+)
 
 CAST = ("dancer_1", "dancer_2", "dancer_3")
 TIMETABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)

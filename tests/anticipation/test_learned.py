@@ -6,11 +6,15 @@ import itertools
 import numpy as np
 import pytest
 
+from sjasim.answers import Intention, Wake, Withdrawal
 from sjasim.anticipation.features import MOVES, Features
 from sjasim.anticipation.learned import Network
 from sjasim.anticipation.method import build
 from sjasim.errors import ConfigError
-from sjasim.types import Event, Intention, Kind, Wake, Withdrawal
+from sjasim.types import (
+    Event,
+    Kind,
+)
 
 from ..contracts.test_anticipation import STEPS, brief
 

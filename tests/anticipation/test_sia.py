@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from sjasim.answers import Intention, Withdrawal
 from sjasim.anticipation.eca import LEAD_S
-from sjasim.types import Intention, Kind, Withdrawal
+from sjasim.types import (
+    Kind,
+)
 
 TOGETHER = {"dancer_1": 0.0, "dancer_2": 0.05, "dancer_3": 0.6}
 SF, TF, SB, TB, CLAP, TURN = Kind

@@ -7,11 +7,15 @@ import numpy as np
 import pytest
 
 from sjasim import registry
+from sjasim.answers import Brief, Intention, Wake, Withdrawal
 from sjasim.anticipation.method import Method, build
 from sjasim.choreography.paper import paper
 from sjasim.choreography.score import TempoMap, Timetable
 from sjasim.errors import ConfigError, PluginError, UnknownNameError
-from sjasim.types import Brief, Event, Intention, Kind, Wake, Withdrawal
+from sjasim.types import (
+    Event,
+    Kind,
+)
 
 STEPS = paper().steps()
 TIMETABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sjasim.answers import Brief, Intention
 from sjasim.anticipation import method
 from sjasim.choreography.timetable import timetable
 from sjasim.config_io import from_plain
-from sjasim.types import Brief, Intention
 
 from ..analysis.synthetic import session
 

@@ -11,11 +11,15 @@ import pytest
 from gymnasium import error
 from sjasim_envs.reward import RewardConfig, Scorer
 
+from sjasim.answers import Brief
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
 from sjasim.logs import AgentEvent
-from sjasim.types import Brief, Event, Kind
+from sjasim.types import (
+    Event,
+    Kind,
+)
 
 from .dancers import Oracle, dance, idle, leave_be
 

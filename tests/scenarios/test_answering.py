@@ -3,13 +3,18 @@
 import numpy as np
 import pytest
 
+from sjasim.answers import Brief
 from sjasim.anticipation.method import build
 from sjasim.choreography.layout import layout
 from sjasim.choreography.paper import paper
 from sjasim.choreography.score import TempoMap, Timetable
 from sjasim.config import SessionConfig
 from sjasim.server import Dispatcher
-from sjasim.types import Brief, Event, Kind, Move
+from sjasim.types import (
+    Event,
+    Kind,
+    Move,
+)
 
 CONFIG = SessionConfig()
 TIMETABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)

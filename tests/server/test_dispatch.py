@@ -5,8 +5,12 @@ from itertools import pairwise
 
 import pytest
 
+from sjasim.answers import Brief, Intention, Wake, Withdrawal
 from sjasim.server import Dispatcher
-from sjasim.types import Brief, Intention, Move, RobotState, Wake, Withdrawal
+from sjasim.types import (
+    Move,
+    RobotState,
+)
 
 BEAT_S = 60 / 118
 
