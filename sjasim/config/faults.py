@@ -1,0 +1,40 @@
+"""What can be made to go wrong."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .checks import one_of, within
+
+FAULTS = {
+    "dead_sensor": "sensor",
+    "clock_jump": "sensor",
+    "dancer_stops": "dancer",
+    "dancer_late": "dancer",
+    "robot_blocked": "robot",
+    "dead_robot": "robot",
+}
+"""Kind of fault -> whom it hits."""
+
+
+@dataclass(frozen=True, slots=True)
+class FaultConfig:
+    """Something that is made to go wrong.
+
+    Attributes:
+        kind: ``dead_sensor``, ``clock_jump``, ``dancer_stops``, ``dancer_late``, ``robot_blocked`` (its wheels do not
+            turn) or ``dead_robot`` (it neither hears nor reports nor drives). Lost packets are ``network.loss``.
+        target: a sensor (``north``...), a dancer (``dancer_1``...) or ``robot``.
+        t_s: session time from which on.
+        value: size: seconds of jump or lateness; unused otherwise.
+    """
+
+    kind: str
+    target: str
+    t_s: float = 0.0
+    value: float = 0.0
+
+    def __post_init__(self) -> None:
+        one_of("faults.kind", self.kind, tuple(FAULTS))
+        within("faults.t_s", self.t_s, 0.0, 1e5)
+        within("faults.value", self.value, -60.0, 60.0)

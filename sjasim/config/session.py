@@ -1,0 +1,64 @@
+"""One session, whole."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ..errors import ConfigError
+from .checks import one_of, within
+from .faults import FaultConfig
+from .network import ClockConfig, NetworkConfig, SynchronyConfig
+from .robot import RobotConfig
+from .room import BodyConfig, DanceConfig, RoomConfig, StageConfig
+from .sensing import DetectorConfig, SensorConfig
+
+
+@dataclass(frozen=True, slots=True)
+class SessionConfig:
+    """One dance session, whole.
+
+    Attributes:
+        method: anticipation method: a registered name, module:Class, or ``none`` for humans only.
+        humans: preset of the human timing model.
+        fidelity: ``physics``.
+        sensing: where skeletons come from: ``joints`` (the truth with errors) or ``depth`` (depth images).
+        iterations: how many iterations are danced after the rehearsal.
+        layout: ``square``, ``rows`` or ``custom``.
+        seed: of everything random in the session.
+        performance: names the take; "" gives every method a fresh performance by the same people.
+        group: number of dancers.
+        method_options: options of the method, by the names of its config's fields.
+        faults: what is made to go wrong.
+    """
+
+    method: str = "sia"
+    humans: str = "paper-entrainment"
+    fidelity: str = "physics"
+    sensing: str = "joints"
+    iterations: int = 4
+    layout: str = "square"
+    seed: int = 0
+    performance: str = ""
+    group: int = 3
+    method_options: Mapping[str, float | int | bool | str] = field(default_factory=dict)
+    faults: tuple[FaultConfig, ...] = ()
+    room: RoomConfig = RoomConfig()
+    dance: DanceConfig = DanceConfig()
+    body: BodyConfig = BodyConfig()
+    stage: StageConfig = StageConfig()
+    robot: RobotConfig = RobotConfig()
+    sensors: SensorConfig = SensorConfig()
+    detectors: DetectorConfig = DetectorConfig()
+    network: NetworkConfig = NetworkConfig()
+    clocks: ClockConfig = ClockConfig()
+    synchrony: SynchronyConfig = SynchronyConfig()
+
+    def __post_init__(self) -> None:
+        one_of("fidelity", self.fidelity, ("physics",))
+        one_of("layout", self.layout, ("square", "rows", "custom"))
+        within("iterations", self.iterations, 1, 64)
+        within("seed", self.seed, 0, 2**63 - 1)
+        within("group", self.group, 1, 8)
+        if isinstance(self.seed, float):
+            raise ConfigError("seed", self.seed, "a whole number")
