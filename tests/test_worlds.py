@@ -30,7 +30,7 @@ def test_advance_stops_at_the_first_message_and_at_the_time_asked():
     while stage.time_s < 0.3:
         before = stage.time_s
         messages = stage.advance(0.3, [])
-        assert before <= stage.time_s <= 0.3 + 1 / 240
+        assert before <= stage.time_s <= 0.3 + 1 / stage.stage.ticks.rate_hz
         assert messages or stage.time_s >= 0.3
     assert stage.advance(stage.time_s, []) == []
 

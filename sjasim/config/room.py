@@ -99,14 +99,14 @@ class StageConfig:
     """Physics.
 
     Attributes:
-        rate_hz: physics steps per second; a multiple of the 30 Hz frame rate.
+        rate_hz: physics steps per second; 150 is a multiple of cameras', odometry's and balance's rates.
         balance_hz: rate of the balance controller and the joint targets.
         truth_hz: rate at which the true state is logged.
     """
 
-    rate_hz: int = 240
-    balance_hz: int = 60
-    truth_hz: int = 60
+    rate_hz: int = 150
+    balance_hz: int = 50
+    truth_hz: int = 50
 
     def __post_init__(self) -> None:
         within("stage.rate_hz", self.rate_hz, 120, 2000)

@@ -30,7 +30,9 @@ TETHER_GAINS = {
 }  # fmt: skip
 """Tethered root joint -> stiffness [N/m, Nm/rad] and damping [N s/m, Nm s/rad] (assumed)."""
 
-ARMATURE = 0.02
+ARMATURE, ANKLE_ARMATURE = 0.02, 0.05
+"""Inertia of the muscles about their joints [kg m^2] (assumed). A light ankle under a stiff muscle on a soft contact
+would quiver at 150 steps a second: a standing dancer's ankles then turn at 1 rad/s, with this inertia not at all."""
 DAMPING = 0.6
 SKIN, SHOES = (0.80, 0.60, 0.47), (0.16, 0.16, 0.18)
 TROUSERS = 0.55
@@ -89,7 +91,7 @@ def _segment(parent: mujoco.MjsBody, segment: Segment, index: int, group: int) -
     for hinge in segment.hinges:
         body.add_joint(
             name=hinge.name, axis=hinge.sign * AXES[hinge.axis], range=[hinge.low_rad, hinge.high_rad], limited=True,
-            armature=ARMATURE, damping=[DAMPING, 0, 0],
+            armature=ANKLE_ARMATURE if hinge.name.startswith("ankle") else ARMATURE, damping=[DAMPING, 0, 0],
         )  # fmt: skip
     for shape in segment.shapes:
         _shape(body, shape, index, group)

@@ -19,7 +19,8 @@ from sjasim.registry import resolve
 from sjasim.stage import Stage
 from sjasim.types import Array, Cue, Kind, Move, dancer_name
 
-HZ = 60
+HZ = StageConfig().balance_hz
+TICKS = StageConfig().rate_hz // HZ
 NORTH = np.pi / 2
 
 
@@ -94,7 +95,7 @@ class Floor:
         last = self.ticks if seconds is None else self.tick + round(seconds * HZ)
         for tick in range(self.tick, last):
             self.stage.apply(self.balance.targets(tick, self.stage.states()))
-            self.stage.step_to((tick + 1) * 4)
+            self.stage.step_to((tick + 1) * TICKS)
             hands, tether = np.zeros((len(self.cues), 2, 3)), np.zeros((len(self.cues), 5))
             self.stage.copy_hands(hands)
             self.stage.copy_tether(tether)
