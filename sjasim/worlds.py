@@ -296,6 +296,8 @@ class PhysicsWorld:
         self._check_s = now + CHECK_S
         self.stage.check()
         down = (self.stage.heights_m < self._fall_m) & ~self._fallen
+        if not down.any():
+            return
         self._fallen |= down
         for index in np.flatnonzero(down):
             self.stage.let_go(int(index))
