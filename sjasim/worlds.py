@@ -21,9 +21,10 @@ from .humans.anatomy import Build, anatomy
 from .humans.balance import Balance
 from .humans.motion import Planner
 from .humans.reference import Reference
-from .humans.timing import EnsembleTiming, preset
+from .humans.timing import SOONEST_S
 from .ledger import Ledger
 from .logs import AgentEvent, Notice
+from .people import people
 from .registry import resolve
 from .robot.executor import Executor
 from .robot.odometry import Odometry, RobotEventDetector
@@ -127,6 +128,7 @@ class PhysicsWorld:
         self._outbox: list[Outward] = []
         self._check_s = 0.0
         self._next_iteration = timetable.first
+        self._begin_s = 0.0
         self.plan()
 
     def _dance(self, config: SessionConfig, timetable: Timetable, layout: Layout, robot: bool) -> None:
@@ -146,13 +148,7 @@ class PhysicsWorld:
         )  # fmt: skip
         omega = np.array([planner.omega for planner in self._planners])
         self.balance = Balance(reference, omega, rate, self.stage.servos)
-        self._timing = EnsembleTiming(
-            preset(config.humans),
-            timetable,
-            config.group,
-            stream(config.seed, "humans", "group"),
-            stream(config.seed, "humans", "performance", config.performance or config.method),
-        )
+        self._timing = people(config, timetable)
         self._busy_s = np.zeros(config.group)
         self._fallen = np.zeros(config.group, dtype=bool)
         self._fall_m = FALLEN_SHARE * np.array([body.standing_m for body in self._anatomies])
@@ -304,15 +300,13 @@ class PhysicsWorld:
             self.notices.append(Notice(now, dancer_name(int(index)), "fell and dances no more"))
 
     def plan(self) -> None:
-        """Draw the next iteration's times and plan everybody's motion; people know it some beats ahead."""
+        """Ask everybody what they decide to do next, and plan their motion; people know it some beats ahead."""
         now = self.time_s
-        iteration = self._next_iteration
-        self._next_iteration += 1
-        self._plan_s = self._timetable.close_s(iteration) if iteration < self._timetable.last else math.inf
-        earliest = np.maximum(self._busy_s, now + 0.5)
-        drawn = self._timing.draw(iteration, self._appropriateness(iteration - 1), earliest)
+        if now >= self._begin_s and self._timing.next_due_s == math.inf:
+            self._begin(now)
+        drawn = self._timing.decide(now, self._seen())
         for index, cues in enumerate(drawn):
-            if self._fallen[index]:
+            if self._fallen[index] or not cues:
                 continue
             performed = _with_faults(cues, self._faults)
             self._planners[index].extend(performed, now)
@@ -320,6 +314,21 @@ class PhysicsWorld:
             if performed:
                 self._busy_s[index] = max(cue.t_s + cue.duration_s for cue in performed) + REST_S
         self.cues.sort(key=lambda cue: (cue.iteration, cue.t_s))
+        due_s = self._timing.next_due_s
+        self._plan_s = due_s if due_s < math.inf else self._begin_s
+
+    def _begin(self, now: float) -> None:
+        """Begin the next iteration; the one after it begins when this one's window has closed."""
+        iteration = self._next_iteration
+        self._next_iteration += 1
+        self._begin_s = self._timetable.close_s(iteration) if iteration < self._timetable.last else math.inf
+        earliest = np.maximum(self._busy_s, now + SOONEST_S)
+        self._timing.begin(iteration, self._appropriateness(iteration - 1), earliest)
+
+    def _seen(self) -> list[tuple[Kind, float]]:
+        """What the robot has been seen to do in the iteration that is being decided."""
+        iteration = self._next_iteration - 1
+        return [(event.kind, event.t_s) for event in self.robot_events if event.iteration == iteration]
 
     def _appropriateness(self, iteration: int) -> float | None:
         """The robot's mean timing error as the dancers feel it; None where it did not dance."""

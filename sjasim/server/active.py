@@ -11,9 +11,7 @@ from ..assets.names import CARDINALS
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
 from ..logs import Notice
-from ..types import (
-    ClientStatus,
-)
+from ..types import ClientStatus
 
 OVERLAP_BEAT = 34.0
 """Beat of an iteration from which the next client watches too: while people turn to it."""
