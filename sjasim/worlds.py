@@ -69,12 +69,31 @@ class World(Protocol):
         """Session time that has been reached [s]."""
         ...
 
-    def advance(self, until_s: float, inputs: Sequence[tuple[float, Inward]]) -> list[Outward]:
-        """Deliver inputs now, then advance to ``until_s`` or to the first instant at which something is sent.
+    def instant_s(self, t_s: float) -> float:
+        """The first instant that is not before a time: all that happens in a session happens at instants [s]."""
+        ...
+
+    def deliver(self, now_s: float, t_arrival_s: float, message: Inward) -> SyncReply | None:
+        """Hand a message to the device that it is for.
 
         Args:
-            until_s: session time to reach at most.
-            inputs: messages with the session time of their arrival, which is not after the present.
+            now_s: the instant at which it is dealt with: not after the present, and after the devices' last turn.
+            t_arrival_s: session time at which it arrived, and was stamped.
+            message: what arrived.
+
+        Returns:
+            the device's answer, sent at ``now_s``.
+        """
+        ...
+
+    def advance(self, until_s: float) -> list[Outward]:
+        """Give devices whose turn it is their turn, then go on to the next turn of any.
+
+        Args:
+            until_s: session time to reach at most; a turn that is due then is left to the next call.
+
+        Returns:
+            what the devices sent at the instant at which the call began.
         """
         ...
 
@@ -175,29 +194,31 @@ class PhysicsWorld:
         """Session time that has been reached [s]."""
         return self.stage.time_s
 
-    def advance(self, until_s: float, inputs: Sequence[tuple[float, Inward]]) -> list[Outward]:
+    def instant_s(self, t_s: float) -> float:
+        """See `World`: a tick of the physics."""
+        return self.stage.ticks.first_s(t_s)
+
+    def deliver(self, now_s: float, t_arrival_s: float, message: Inward) -> SyncReply | None:
+        """See `World`."""
+        if not isinstance(message, MoveCommand):
+            return self._clients[message.sensor].receive(t_arrival_s, message, now_s)
+        if now_s < self._dead_from_s:
+            self._executor.receive(now_s, message)
+        return None
+
+    def advance(self, until_s: float) -> list[Outward]:
         """See `World`; instants between two ticks count as the later one."""
-        self._outbox = []
-        now = self.time_s
+        stage = self.stage
+        now, goal = stage.time_s, stage.ticks.at_or_after(until_s)
+        if until_s > now:  # whatever rounding says, time goes on
+            goal = max(goal, stage.tick + 1)
+        if stage.tick >= goal:
+            return []
         if now >= self._check_s:
             self._check(now)
-        for t_arrival_s, message in inputs:
-            if isinstance(message, MoveCommand):
-                if now < self._dead_from_s:
-                    self._executor.receive(now, message)
-            else:
-                reply = self._clients[message.sensor].receive(t_arrival_s, message, now)
-                if reply is not None:
-                    self._outbox.append(reply)
-        goal = self.stage.ticks.at_or_after(until_s)
-        if until_s > now:  # whatever rounding says, time goes on
-            goal = max(goal, self.stage.tick + 1)
-        stage, balance, frame, robot = self.stage, self._balance_task, self._frame_task, self._robot_task
-        while stage.tick < goal and not self._outbox:
-            self._fire()
-            if self._outbox:
-                break
-            stage.step_to(min(balance.due, frame.due, robot.due, goal))
+        self._outbox = []
+        self._fire()
+        stage.step_to(min(self._balance_task.due, self._frame_task.due, self._robot_task.due, goal))
         return self._outbox
 
     def latest(self, sensor: str) -> SkeletonFrame | None:
@@ -271,6 +292,8 @@ class PhysicsWorld:
         self._check_s = now + CHECK_S
         self.stage.check()
         down = (self.stage.heights_m < self._fall_m) & ~self._fallen
+        if not down.any():
+            return
         self._fallen |= down
         for index in np.flatnonzero(down):
             self.stage.let_go(int(index))

@@ -9,7 +9,7 @@ import numpy as np
 
 from sjasim.analysis.onsets import claps, moves
 from sjasim.choreography.layout import layout
-from sjasim.choreography.score import MOVE_EVENTS, Choreography, TempoMap, Timetable
+from sjasim.choreography.score import MOVE_EVENTS, Choreography, Timetable
 from sjasim.config import BodyConfig, RobotConfig, RoomConfig, SensorConfig, StageConfig
 from sjasim.humans.anatomy import Anatomy, Build, anatomy
 from sjasim.humans.balance import Balance, BalanceGains
@@ -17,6 +17,7 @@ from sjasim.humans.motion import Planner
 from sjasim.humans.reference import Reference
 from sjasim.registry import resolve
 from sjasim.stage import Stage
+from sjasim.tempo import TempoMap
 from sjasim.types import Array, Cue, Kind, Move, dancer_name
 
 HZ = StageConfig().balance_hz
