@@ -84,7 +84,7 @@ class BodyConfig:
     Attributes:
         stature_m: lowest and highest stature to draw from.
         mass_kg: lowest and highest mass to draw from.
-        tether: ``weak`` (saturating) or ``none``.
+        tether: ``weak`` (saturating) or ``none`` (balance alone; physics and balance then run at 240 Hz by default).
         tether_force_n: most horizontal force of the tether, each axis.
         tether_torque_nm: most torque of the tether, each axis.
     """
