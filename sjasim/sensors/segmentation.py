@@ -17,14 +17,14 @@ from ..types import Array
 from .camera import Intrinsics
 
 Points = NDArray[np.float32]
-Image = NDArray[np.float32]
+Image = NDArray[np.int16]
 Pixels = NDArray[np.int32]
 Owners = NDArray[np.int8]
 
 FLOOR_M = 0.04
 """Lower points are floor: some five standard deviations of the floor's noise at 4 m (assumed)."""
-FAR_M = 8.0
-"""Depth that the image is given where there is none."""
+FAR_MM = 8000
+"""Depth that the image is given where there is none, and at most."""
 REACH_M = 0.85
 """Nothing of a person is farther from the trunk over the floor: an arm's length (assumed)."""
 LOW_M, LOW_REACH_M = 0.50, 0.50
@@ -47,7 +47,7 @@ class Foreground:
     """What stands on the floor in one frame; the first ``count`` rows count, the rest is room.
 
     Attributes:
-        image: (H, W) depth, `FAR_M` where there is none [m].
+        image: (H + 2, W + 2) depth, `FAR_MM` where there is none and in the rim around it [mm].
         pixel: (N, 2) row and column.
         point: (N, 3) [m].
         owner: (N,) row of the person, `NOBODY` or `OBJECT`.
@@ -63,9 +63,9 @@ class Foreground:
     @classmethod
     def room(cls, intrinsics: Intrinsics) -> Foreground:
         """Empty arrays for images of this size."""
-        shape, size = (intrinsics.height, intrinsics.width), intrinsics.height * intrinsics.width
+        shape, size = (intrinsics.height + 2, intrinsics.width + 2), intrinsics.height * intrinsics.width
         pixel, point = np.zeros((size, 2), np.int32), np.zeros((size, 3), np.float32)
-        return cls(np.zeros(shape, np.float32), pixel, point, np.zeros(size, np.int8))
+        return cls(np.full(shape, FAR_MM, np.int16), pixel, point, np.zeros(size, np.int8))
 
 
 @njit(cache=True, error_model="numpy")
@@ -79,10 +79,10 @@ def _lift(
         slope = (middle_v - v) / fy
         for u in range(width):
             if depth[v, u] == 0:
-                image[v, u] = FAR_M
+                image[v + 1, u + 1] = FAR_MM
                 continue
             z = np.float32(depth[v, u]) * np.float32(0.001)
-            image[v, u] = z
+            image[v + 1, u + 1] = min(depth[v, u], FAR_MM)
             above = height_m + slope * z
             if above > FLOOR_M:
                 pixel[n, 0], pixel[n, 1] = v, u
