@@ -25,7 +25,7 @@ from .config import BodyConfig, RobotConfig, StageConfig
 from .errors import SjasimError
 from .humans.anatomy import Anatomy
 from .humans.body import dancer_spec
-from .rays import hidden
+from .rays.hiding import hidden
 from .robot.body import robot_spec
 from .types import Array, BoolArray, DancerStates, Geoms, IntArray, JointTargets, Servos, WheelCommand, WheelReading
 

@@ -117,7 +117,8 @@ def likely(
         return False
     for k in range(FEATURES):
         if row[k] != 0.0:
-            body += row[k] * weights[k]
+            for c in range(3 * _JOINTS):
+                body[c] += row[k] * weights[k, c]
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
     for j in range(_JOINTS):
         forward, up = scale * (body[3 * j] + mean[j, 0]), scale * (body[3 * j + 1] + mean[j, 1])

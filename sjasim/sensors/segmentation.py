@@ -40,6 +40,7 @@ _CELL_M, _X_M, _Z_M = 0.06, (-3.5, 3.5), (0.4, 4.6)
 _TORSO_M = (0.75, 1.60)
 _WINDOW = 3
 _BIN_M = 0.01
+_LEAST_POINTS = 12
 
 
 @dataclass(slots=True)
@@ -176,10 +177,11 @@ def _measure(count: int, point: Points, owner: Owners, places: Array, scales: Ar
     away = np.zeros((len(places), 200), np.int32)
     chest = np.zeros((len(places), 200), np.int32)
     up = np.zeros((len(places), 240), np.int32)
+    known = np.zeros(len(places), np.bool_)
     for least in (0.42, 0.0):  # the trunk's points; all of them for somebody whose trunk is hidden
         for i in range(count):
             k = owner[i]
-            if k < 0 or (least == 0.0 and across[k].sum() >= 12):
+            if k < 0 or known[k]:
                 continue
             x = int((point[i, 0] - places[k, 0]) / _BIN_M + 100.0)
             z = int((point[i, 2] - places[k, 1]) / _BIN_M + 100.0)
@@ -192,8 +194,10 @@ def _measure(count: int, point: Points, owner: Owners, places: Array, scales: Ar
                 away[k, z] += 1
                 if 0.60 < height < 0.72:
                     chest[k, x] += 1
-        if least > 0.0 and not (out[:, 0] > 0.0).any():
-            return
+        for k in range(len(places)):
+            known[k] = out[k, 0] == 0.0 or across[k].sum() >= _LEAST_POINTS
+        if known.all():
+            break
     for k in range(len(places)):
         if out[k, 0] == 0.0:
             continue
@@ -271,6 +275,20 @@ def strangers(scene: Foreground, intrinsics: Intrinsics, area_m2: float, apart_m
     return found
 
 
+@njit(cache=True)
+def _low(count: int, point: Points, owner: Owners, before: Array, reach_m: float, sums: Array) -> None:
+    """Add up x, z and squared z of what is low and nobody's, near where the object was if that is known; and count."""
+    known = not math.isnan(before[0])
+    for i in range(count):
+        if owner[i] == OBJECT or (owner[i] == NOBODY and point[i, 1] < LOW_M):
+            x, z = point[i, 0], point[i, 2]
+            if not known or (x - before[0]) ** 2 + (z - before[1]) ** 2 < reach_m * reach_m:
+                sums[0] += x
+                sums[1] += z
+                sums[2] += z * z
+                sums[3] += 1.0
+
+
 def low_object(scene: Foreground, before: Array, intrinsics: Intrinsics, area_m2: float) -> Array:
     """Where something low stands that is nobody's leg: a robot, most likely.
 
@@ -283,16 +301,9 @@ def low_object(scene: Foreground, before: Array, intrinsics: Intrinsics, area_m2
     Returns:
         (2,) x and z, as ``before`` while too little of it can be seen.
     """
-    point, owner = scene.point[: scene.count], scene.owner[: scene.count]
-    free = np.flatnonzero((owner == OBJECT) | ((owner == NOBODY) & (point[:, 1] < LOW_M)))
-    if len(free) == 0:
+    sums = np.zeros(4)
+    _low(scene.count, scene.point, scene.owner, before, 1.5 * OBJECT_M, sums)
+    if sums[3] == 0.0 or sums[2] / (intrinsics.fx * intrinsics.fy) < area_m2:
         return before
-    x, z = point[free, 0], point[free, 2]
-    if not math.isnan(before[0]):
-        near = (x - before[0]) ** 2 + (z - before[1]) ** 2 < (1.5 * OBJECT_M) ** 2
-        x, z = x[near], z[near]
-    surface = float((z.astype(float) ** 2).sum()) / (intrinsics.fx * intrinsics.fy)
-    if len(x) == 0 or surface < area_m2:
-        return before
-    middle = np.array([x.mean(), z.mean()])
+    middle = sums[:2] / sums[3]
     return middle if math.isnan(before[0]) else np.asarray(before + 0.3 * (middle - before))

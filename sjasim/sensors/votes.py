@@ -33,7 +33,7 @@ FIRST_M = 0.12
 """Votes with a larger spread do not say where to begin (assumed)."""
 LIMB_M, LIMB_SHARE = (0.20, 0.15), 4
 """A point so far beside the trunk, or before it, is a limb's; so many times more of these vote (assumed)."""
-MOST = 4096 + 16
+MOST = 4000
 """Room for so many votes for one joint of one person; more are not counted. Not a power of two: a cache would have a
 single place for the votes of all joints."""
 
@@ -42,7 +42,7 @@ _SPREADS_M = SPREAD_M * np.arange(256)
 _WEIGHTS = ((_SPREADS_M**2 + FLOOR_SPREAD_M**2) ** -2).astype(np.float32)
 _LOOSE, _FIRST, _SURE = (int(np.searchsorted(_SPREADS_M, limit_m)) for limit_m in (LOOSE_M, FIRST_M, SURE_M))
 X, Y, Z, WEIGHT, SURE = range(5)
-"""Rows of the votes for one joint: where [m], how much they count, and how much for being tracked."""
+"""Columns of a vote: where [m], how much they count, and how much for being tracked."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -136,17 +136,17 @@ def _cast_votes(
                 if n == MOST:
                     continue
                 many[row] = n + 1
-                to, sums = cast[row], first[row]
+                to, sums = cast[row, n], first[row]
                 weight = surface * _WEIGHTS[wide]
-                to[X, n] = x - sin * ahead - cos * left
-                to[Y, n] = y + size * up
-                to[Z, n] = z - cos * ahead + sin * left
-                to[WEIGHT, n] = weight
-                to[SURE, n] = weight if wide < _SURE else np.float32(0.0)
+                to[X] = x - sin * ahead - cos * left
+                to[Y] = y + size * up
+                to[Z] = z - cos * ahead + sin * left
+                to[WEIGHT] = weight
+                to[SURE] = weight if wide < _SURE else np.float32(0.0)
                 if wide < _FIRST:
-                    sums[0] += weight * to[X, n]
-                    sums[1] += weight * to[Y, n]
-                    sums[2] += weight * to[Z, n]
+                    sums[0] += weight * to[X]
+                    sums[1] += weight * to[Y]
+                    sums[2] += weight * to[Z]
                     sums[3] += weight
 
 
@@ -175,7 +175,7 @@ def _agree(
     cast: Floats, many: IntArray, first: Array, persons: Floats, prior: Array, joints: Array, support: Array
 ) -> None:
     """Mean shift of every joint, from half way between the sure votes' mean and the prediction, if there are both."""
-    pull = np.zeros(5)
+    pull, votes = np.zeros(5), np.empty((5, MOST), np.float32)
     for row in range(len(many)):
         k, j = row // len(JOINTS), row % len(JOINTS)
         joint = joints[k, j]
@@ -187,8 +187,11 @@ def _agree(
                 joint[c] = mean if known == 0.0 else 0.5 * (mean + joint[c])
         if many[row] == 0 or math.isnan(joint[0]):
             continue
+        for n in range(many[row]):
+            for c in range(5):
+                votes[c, n] = cast[row, n, c]
         for wide_m in BANDWIDTHS_M:
-            _pull(cast[row], many[row], joint, wide_m * persons[k, 3], pull)
+            _pull(votes, many[row], joint, wide_m * persons[k, 3], pull)
             if pull[3] > 0.0:
                 joint += pull[:3] / pull[3]
         support[k, j] = pull[4]
@@ -204,11 +207,9 @@ class Votes:
 
     def __init__(self, model: Unpacked, most: int) -> None:
         self._model = model
-        self._cast = np.empty((most * len(JOINTS), 5, MOST), np.float32)
+        self._cast = np.empty((most * len(JOINTS), MOST, 5), np.float32)
 
-    def joints(
-        self, scene: Foreground, shares: Array, fx: float, persons: Array, prior: Array
-    ) -> tuple[Array, Array]:
+    def joints(self, scene: Foreground, shares: Array, fx: float, persons: Array, prior: Array) -> tuple[Array, Array]:
         """Find the joints of all persons.
 
         Args:
