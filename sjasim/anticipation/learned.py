@@ -124,7 +124,7 @@ class Steps:
         iteration = iteration_at(self._brief, t_s)
         if iteration == 0 or wanted == self.move:
             return None
-        beat = (t_s - self._brief.iteration_start_s[iteration]) / self._brief.beat_s
+        beat = self._brief.beat(iteration, t_s)
         near = [(abs(own - beat), ordinal) for own, ordinal in self._beats[wanted]]
         if not near:
             return None
