@@ -18,8 +18,9 @@ from .choreography.layout import Layout
 from .choreography.score import Timetable
 from .clock import DeviceClock, Task, stream
 from .config import FaultConfig, SessionConfig
-from .humans.anatomy import Build, anatomy
+from .humans.anatomy import Build
 from .humans.balance import Balance
+from .humans.body import body_model
 from .humans.motion import PREVIEW_S, Planner
 from .humans.reference import Reference
 from .humans.timing import SOONEST_S
@@ -136,7 +137,7 @@ class PhysicsWorld:
         heading = timetable.heading_rad(timetable.first)
         rate = config.stage.balance_hz
         builds = [_person(config, index) for index in range(config.group)]
-        self._anatomies = [anatomy(build) for build in builds]
+        self._anatomies = [body_model(config.body.model).anatomy(build) for build in builds]
         reference = Reference.empty(config.group, math.ceil((self.end_s + 1.0) * rate) + 1)
         turn = timetable.choreography.turn_rad
         self._planners = [
