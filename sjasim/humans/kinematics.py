@@ -28,18 +28,9 @@ def _turn(R: Array, axis: int, angle: float) -> None:
 
 @njit(cache=True)
 def place(
-    q: Array,
-    yaw: float,
-    parent: IntArray,
-    offset: Array,
-    hinge_segment: IntArray,
-    hinge_column: IntArray,
-    hinge_axis: IntArray,
-    hinge_sign: Array,
-    rotation: Array,
-    origin: Array,
-    axes: Array,
-) -> None:
+    q: Array, yaw: float, parent: IntArray, offset: Array, hinge_segment: IntArray, hinge_column: IntArray,
+    hinge_axis: IntArray, hinge_sign: Array, rotation: Array, origin: Array, axes: Array,
+) -> None:  # fmt: skip
     """Write every segment's rotation (S, 3, 3) and origin (S, 3) relative to the pelvis' position.
 
     Args:
