@@ -30,6 +30,8 @@ from .types import Array, BoolArray, DancerStates, Geoms, IntArray, JointTargets
 
 _FLOOR = (0.74, 0.72, 0.69), (0.66, 0.64, 0.61)
 _SKY = (0.80, 0.86, 0.92), (0.97, 0.97, 0.96)
+LYING_ARMATURE, LYING_DAMPING = 0.5, 20.0
+"""Inertia [kg m^2] and damping [Nm s/rad] about a lying body's three axes, two of which may be one (assumed)."""
 _ANKLES = [JOINT_INDEX["AnkleLeft"], JOINT_INDEX["AnkleRight"]]
 _HANDS = [JOINT_INDEX["HandLeft"], JOINT_INDEX["HandRight"]]
 
@@ -333,11 +335,25 @@ class Stage:
         first, second = self.data.contact.geom.T
         return bool(((self._shell[first] & self._flesh[second]) | (self._flesh[first] & self._shell[second])).any())
 
+    def impact_n(self) -> float:
+        """How hard the robot and dancers press on each other at this moment: the sum of their contacts' forces [N]."""
+        contact = self.data.contact
+        first, second = contact.geom.T
+        touch = (self._shell[first] & self._flesh[second]) | (self._flesh[first] & self._shell[second])
+        starts = contact.efc_address[touch & (contact.efc_address >= 0)]
+        return float(sum(self.data.efc_force[start : start + 4].sum() for start in starts))
+
     def let_go(self, dancer: int) -> None:
-        """A fallen dancer's muscles and tether go limp."""
+        """A fallen dancer's muscles and tether go limp, and all of the body meets the floor."""
+        m = self.model
         limp = np.concatenate([self._servo[dancer], *self._tether[dancer : dancer + 1]])
-        self.model.actuator_gainprm[limp] = 0.0
-        self.model.actuator_biasprm[limp, :2] = 0.0
+        m.actuator_gainprm[limp] = 0.0
+        m.actuator_biasprm[limp, :2] = 0.0
+        flesh = np.flatnonzero(self._owner == dancer)
+        m.geom_conaffinity[flesh] |= FLOOR_BIT
+        m.body_conaffinity[m.geom_bodyid[flesh]] |= FLOOR_BIT
+        turns = self._root_dof[dancer, 3:]  # of one who lies on the face, yaw and roll are the same
+        m.dof_armature[turns], m.dof_damping[turns] = LYING_ARMATURE, LYING_DAMPING
 
     def push(self, dancer: int, force: Array) -> None:
         """Pull at a dancer's trunk with a force (3,) until told otherwise [N]."""
