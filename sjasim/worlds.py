@@ -21,6 +21,7 @@ from .humans.anatomy import Build, anatomy
 from .humans.balance import Balance
 from .humans.motion import Planner
 from .humans.reference import Reference
+from .humans.replay import Replay
 from .humans.timing import SOONEST_S
 from .ledger import Ledger
 from .logs import AgentEvent, Notice
@@ -149,6 +150,8 @@ class PhysicsWorld:
         omega = np.array([planner.omega for planner in self._planners])
         self.balance = Balance(reference, omega, rate, self.stage.servos)
         self._timing = people(config, timetable)
+        if isinstance(self._timing, Replay):
+            self.notices.extend(self._timing.notices)
         self._busy_s = np.zeros(config.group)
         self._fallen = np.zeros(config.group, dtype=bool)
         self._fall_m = FALLEN_SHARE * np.array([body.standing_m for body in self._anatomies])
