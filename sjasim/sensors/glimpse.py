@@ -114,14 +114,14 @@ def _look(
 
 @njit(cache=True)
 def report(joints: Array, state: NDArray[np.int8], pose: Array, bearing_rad: float, out: Array) -> None:
-    """Write where everybody stands in the world: x, y [m], yaw [rad] and the share of tracked joints.
+    """Write where everybody stands in the world: x, y [m], yaw [rad], and the shares of tracked joints and hands.
 
     Args:
         joints: (P, 25, 3) in the sensor's frame [m].
         state: (P, 25) tracking states.
         pose: (3, 4) rotation and position of the sensor in the world.
         bearing_rad: heading of someone who faces the sensor.
-        out: (P, 4) output; NaN where SpineBase or a hip is not known.
+        out: (P, 5) output; NaN where SpineBase or a hip is not known.
     """
     for p in range(len(joints)):
         base = joints[p, BASE]
@@ -130,6 +130,7 @@ def report(joints: Array, state: NDArray[np.int8], pose: Array, bearing_rad: flo
         yaw = bearing_rad + yaw_rad(joints[p])
         out[p, 2] = yaw - tau * np.rint(yaw / tau)
         out[p, 3] = np.sum(state[p] == TRACKED) / state.shape[1]
+        out[p, 4] = ((state[p, HAND_LEFT] == TRACKED) + (state[p, HAND_RIGHT] == TRACKED)) / 2.0
 
 
 class Glimpses:
