@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..config import DetectorConfig
 from ..types import TRACKED, Array, DeviceEvent, IntArray, Kind, SkeletonFrame
+from .claps import ClapDetector
 from .glimpse import HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT, LEFT, RIGHT, yaw_rad
 
 ASIDE_RAD = math.radians(100.0)
@@ -23,22 +24,19 @@ ASIDE_RAD = math.radians(100.0)
 FAR_SLACK = 0.4
 """So many shoulder widths the far hand, guessed behind the near one, may be off (measured on depth skeletons)."""
 
-APART_RATIO = 0.8
-"""Above it hands are apart; open hands have about 1.1."""
-
-MEMORY_S = 0.25
-"""So long before the hands meet the near one must have been tracked: touching hands hide each other (assumed)."""
+MEMORY_S = 0.35
+"""How long the near hand may be inferred: hands that touch stay so long without a surface of their own (assumed)."""
 
 _YAW, _RATIO, _NEAR = range(3)
 
 
 @njit(cache=True)
-def _ratio(joints: Array) -> float:
+def _ratio(joints: Array, slack: float) -> float:
     """How far the hands of one person (25, 3) are from meeting; NaN where a hand, shoulder or hip is not known.
 
     Twice the near hand's distance from the body's middle plane over the shoulder distance: people clap in their
-    middle (assumed). No less than the distance of the hands over that of the shoulders, in space, less `FAR_SLACK`:
-    one arm that swings across is no clap.
+    middle (assumed). No less than the distance of the hands over that of the shoulders, in space, less ``slack``: one
+    arm that swings across is no clap.
     """
     line = joints[LEFT] - joints[RIGHT]
     width = np.sqrt(np.sum(line**2))
@@ -50,7 +48,7 @@ def _ratio(joints: Array) -> float:
     off = near - (joints[LEFT] + joints[RIGHT]) / 2
     middle = abs(off[0] * line[0] + off[2] * line[2]) / across
     apart = np.sqrt(np.sum((joints[HAND_LEFT] - joints[HAND_RIGHT]) ** 2))
-    return float(max(2.0 * middle, apart - FAR_SLACK * width) / width)
+    return float(max(2.0 * middle, apart - slack * width) / width)
 
 
 @njit(cache=True)
@@ -58,51 +56,11 @@ def _look(joints: Array, state: NDArray[np.int8], out: Array) -> None:
     """Write everybody's heading relative to the sensor, ratio, and whether the near hand is tracked: (P, 3)."""
     for p in range(len(joints)):
         body = joints[p]
-        near = HAND_LEFT if body[HAND_LEFT, 2] < body[HAND_RIGHT, 2] else HAND_RIGHT
-        out[p, _YAW], out[p, _RATIO] = yaw_rad(body), _ratio(body)
+        left = body[HAND_LEFT, 2] < body[HAND_RIGHT, 2]
+        near, far = (HAND_LEFT, HAND_RIGHT) if left else (HAND_RIGHT, HAND_LEFT)
+        out[p, _YAW] = yaw_rad(body)
+        out[p, _RATIO] = _ratio(body, 0.0 if state[p, far] == TRACKED else FAR_SLACK)
         out[p, _NEAR] = state[p, near] == TRACKED
-
-
-class AsideClap:
-    """Claps of one person: local minima of the ratio below ``clap_ratio``.
-
-    As in `detectors.ClapDetector` the event comes with the frame after the minimum, and hands must have been apart
-    since the last clap, which must be ``clap_rest_s`` ago. The near hand must be tracked while apart, and once more
-    within `MEMORY_S` of the minimum; at the minimum itself it may be inferred.
-
-    Args:
-        config: ratio and rest.
-    """
-
-    __slots__ = ("_apart", "_before", "_c", "_last", "_t_clap_s", "_t_last_s", "_t_tracked_s")
-
-    def __init__(self, config: DetectorConfig) -> None:
-        self._c = config
-        self._t_clap_s = self._t_tracked_s = -math.inf
-        self._before = self._last = self._t_last_s = math.nan
-        self._apart = False
-
-    def update(self, t_s: float, yaw_rad: float, ratio: float, tracked: bool) -> float | None:
-        """Judge one frame at the sensor's time ``t_s``; gives the time at which the hands met, or None."""
-        if not abs(yaw_rad) <= ASIDE_RAD:
-            ratio = math.nan
-        least, t_least_s = self._last, self._t_last_s
-        found = (
-            self._apart
-            and self._before >= least < ratio
-            and least < self._c.clap_ratio
-            and t_s - self._t_clap_s >= self._c.clap_rest_s
-            and t_least_s - self._t_tracked_s <= MEMORY_S
-        )
-        self._before, self._last, self._t_last_s = least, ratio, t_s
-        if tracked:
-            self._t_tracked_s = t_s
-        if found:
-            self._t_clap_s = t_s
-            self._apart = False
-            return t_least_s
-        self._apart = self._apart or (tracked and ratio > APART_RATIO)
-        return None
 
 
 class AsideDetectors:
@@ -116,7 +74,7 @@ class AsideDetectors:
         self._config = config
         self._persons: IntArray | None = None
         self._names: list[int] = []
-        self._claps: list[AsideClap] = []
+        self._claps: list[ClapDetector] = []
 
     def reset(self) -> None:
         """Begin anew: nobody's hands have been seen apart."""
@@ -139,7 +97,7 @@ class AsideDetectors:
         _look(joints, frame.skeletons.state, figures)
         events = []
         for person, clap, (yaw, ratio, near) in zip(self._names, self._claps, figures.tolist(), strict=True):
-            met_s = clap.update(t_s, yaw, ratio, near > 0.0)
+            met_s = clap.update(t_s, ratio if abs(yaw) <= ASIDE_RAD else math.nan, near > 0.0)
             if met_s is not None:
                 onset_s = frame.t_capture_device_s + met_s - t_s
                 events.append(DeviceEvent(frame.sensor, person, Kind.CLAP, frame.t_device_s, False, onset_s))
@@ -149,5 +107,5 @@ class AsideDetectors:
         names = persons.tolist()
         if names != self._names:
             self._names = names
-            self._claps = [AsideClap(self._config) for _ in names]
+            self._claps = [ClapDetector(self._config, MEMORY_S) for _ in names]
         self._persons = persons

@@ -26,10 +26,11 @@ class Glimpse(NamedTuple):
         towards: how many of SpineMid, Neck and both shoulders moved towards the sensor by more than the floor.
         away: the same away from the sensor.
         tracked: how many of the four are tracked; the others are not counted above.
-        hand_ratio: hand distance over shoulder distance in the sensor's x-y plane; NaN unless both hands are tracked.
+        hand_ratio: hand distance over shoulder distance in the sensor's x-y plane; NaN unless all four are known.
             The shoulders are its scale only, and may be inferred: raised forearms hide them.
         yaw_rad: heading relative to facing the sensor, counter-clockwise from above; NaN if a hip is missing.
         yaw_rate_rad_s: its rate over the same frames as the speed.
+        hands: how many of the two are tracked.
     """
 
     speed_m_s: float
@@ -39,6 +40,7 @@ class Glimpse(NamedTuple):
     hand_ratio: float
     yaw_rad: float
     yaw_rate_rad_s: float
+    hands: int
 
 
 BASE, MID, NECK, LEFT, RIGHT, HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT = (
@@ -102,8 +104,8 @@ def _look(
                 towards += way > floor_m
                 away += way < -floor_m
         row[1], row[2], row[3] = towards, away, tracked
-        hands = known[HAND_LEFT] == TRACKED and known[HAND_RIGHT] == TRACKED
-        row[4] = _hand_ratio(body) if hands else nan
+        row[4] = _hand_ratio(body)
+        row[7] = (known[HAND_LEFT] == TRACKED) + (known[HAND_RIGHT] == TRACKED)
         yaw = row[5] = yaw_rad(body)
         row[0] = row[6] = nan
         if span_s > 0.0:

@@ -41,9 +41,9 @@ FACED = 0.5
 BEHIND = -0.5
 """Cosine below which a client sees a back."""
 
-ASIDE = math.cos(math.radians(95.0))
-"""Least cosine at which a client can help with a person's clap: 95 degrees, what its detector allows less 5 for the
-turn of the body meanwhile."""
+ASIDE = math.cos(math.radians(110.0))
+"""Least cosine at which a client is asked to help with a person's clap. Its bearing is the whole group's; whether this
+person can be judged from there its detector finds out, which allows 100 degrees."""
 
 ClientMessage = DeviceEvent | ClientStatus | SyncReply
 
