@@ -29,6 +29,11 @@ class Ticks:
         """First tick whose time is not before ``time_s``; rounding noise of 1 ns is forgiven."""
         return math.ceil(time_s * self.rate_hz - 1e-9 * self.rate_hz)
 
+    def first_s(self, time_s: float) -> float:
+        """Session time of the first tick that is not before ``time_s``; no rounding noise is forgiven [s]."""
+        tick = self.at_or_after(time_s)
+        return self.time_s(tick) if self.time_s(tick) >= time_s else self.time_s(tick + 1)
+
     def firing(self, count: int, task_hz: int) -> int:
         """Tick of the ``count``-th firing of a task, ceil(count P / f).
 

@@ -1,4 +1,4 @@
-"""A network link: latency, jitter, loss and order; a heap of timed messages for sensors, server and robot alike."""
+"""Network links: latency, jitter, loss and order; a heap of timed messages for sensors, server and robot alike."""
 
 from __future__ import annotations
 
@@ -29,42 +29,18 @@ class LinkQuality:
     ordered: bool = False
 
 
-class Link(Generic[T]):
-    """One direction of a link; messages go in with their sending time and come out in order of arrival.
+class Mail(Generic[T]):
+    """Messages under way, over one link or many; they come out in order of arrival."""
 
-    Args:
-        quality: latency, jitter, loss.
-        rng: the link's own random stream.
-    """
-
-    def __init__(self, quality: LinkQuality, rng: np.random.Generator) -> None:
-        self._quality = quality
-        self._random, self._exponential = rng.random, rng.standard_exponential
+    def __init__(self) -> None:
         self._heap: list[tuple[float, int, T]] = []  # arrival, number sent: no two are equal
         self._sequence = 0
-        self._last_arrival_s = -np.inf
         self.next_arrival_s = math.inf
         """When the next message comes out; infinite when none is under way."""
-        self.sent = 0
-        self.lost = 0
 
-    def send(self, t_s: float, message: T) -> None:
-        """Put a message in at session time ``t_s``; it may be lost.
-
-        The same number of random draws is spent on lost and delivered messages, so that changing the loss
-        changes nothing else.
-        """
-        self.sent += 1
-        lost = self._random() < self._quality.loss
-        delay = self._quality.latency_s + self._exponential() * self._quality.jitter_s
-        if lost:
-            self.lost += 1
-            return
-        arrival = t_s + delay
-        if self._quality.ordered:
-            arrival = max(arrival, self._last_arrival_s)
-            self._last_arrival_s = arrival
-        heapq.heappush(self._heap, (arrival, self._sequence, message))
+    def put(self, t_arrival_s: float, message: T) -> None:
+        """Send a message on its way."""
+        heapq.heappush(self._heap, (t_arrival_s, self._sequence, message))
         self._sequence += 1
         self.next_arrival_s = self._heap[0][0]
 
@@ -76,3 +52,39 @@ class Link(Generic[T]):
             arrived.append((t_arrival_s, message))
         self.next_arrival_s = self._heap[0][0] if self._heap else math.inf
         return arrived
+
+
+class Link(Generic[T]):
+    """One direction of a link: it decides whether and when a message arrives.
+
+    Args:
+        quality: latency, jitter, loss.
+        rng: the link's own random stream.
+        mail: where its messages are while they are under way; links may share one.
+    """
+
+    def __init__(self, quality: LinkQuality, rng: np.random.Generator, mail: Mail[T]) -> None:
+        self._quality = quality
+        self._random, self._exponential = rng.random, rng.standard_exponential
+        self._mail = mail
+        self._last_arrival_s = -np.inf
+        self.sent = 0
+        self.lost = 0
+
+    def send(self, t_s: float, message: T) -> None:
+        """Put a message in at session time ``t_s``; it may be lost.
+
+        The same number of random draws is spent on lost and delivered messages, so that changing the loss
+        changes nothing else.
+        """
+        quality = self._quality
+        self.sent += 1
+        lost = self._random() < quality.loss
+        arrival = t_s + (quality.latency_s + self._exponential() * quality.jitter_s)
+        if lost:
+            self.lost += 1
+            return
+        if quality.ordered:
+            arrival = max(arrival, self._last_arrival_s)
+            self._last_arrival_s = arrival
+        self._mail.put(arrival, message)

@@ -5,13 +5,9 @@ World -> uplinks -> server -> method -> dispatcher -> downlinks -> world again, 
 
 from __future__ import annotations
 
-import gc
-import math
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
 
 from .answers import Answer, Brief
 from .anticipation.method import Method, build
@@ -21,7 +17,7 @@ from .clock import stream
 from .config import FAULTS, SessionConfig
 from .config_io import to_plain
 from .errors import ConfigError
-from .link import Link, LinkQuality
+from .link import Link, LinkQuality, Mail
 from .logs import Handover, SessionLog
 from .server.dispatch import Dispatcher
 from .server.server import Server
@@ -73,7 +69,6 @@ class Session:
         if self.method is not None:
             self.method.reset(self.brief, stream(config.seed, "anticipation", config.method))
         self._open_links([mount.name for mount in self.layout.mounts])
-        self._inputs: list[tuple[float, Inward]] = []
         self._boundaries = _boundaries(self)
         self.world.active = self.server.active
         self.handovers = [Handover(0.0, self.server.active)]
@@ -87,15 +82,10 @@ class Session:
         down = LinkQuality(network.latency_s, network.jitter_s, network.loss)
         up = LinkQuality(network.latency_s + network.uplink_extra_s, network.jitter_s, network.loss)
         names = (*sensors, ROBOT)
-        self._up: dict[str, Link[Outward]] = {
-            name: Link(up, stream(self.config.seed, "link", name, "up")) for name in names
-        }
-        self._down: dict[str, Link[Inward]] = {
-            name: Link(down, stream(self.config.seed, "link", name, "down")) for name in names
-        }
-        self._ups, self._downs = list(self._up.values()), list(self._down.values())
-        self._links: list[Link[Any]] = [*self._ups, *self._downs]
-        self._arrival_s = math.inf
+        self._ups, self._downs = Mail[Outward](), Mail[Inward]()
+        seed = self.config.seed
+        self._up = {name: Link(up, stream(seed, "link", name, "up"), self._ups) for name in names}
+        self._down = {name: Link(down, stream(seed, "link", name, "down"), self._downs) for name in names}
 
     @property
     def time_s(self) -> float:
@@ -104,51 +94,50 @@ class Session:
 
     def advance(self, until_s: float) -> None:
         """Go on until a session time, instant by instant; where a caller pauses changes nothing."""
-        while self.time_s < until_s - 1e-9:
-            due = self._next_due_s()
-            outputs = self.world.advance(min(until_s, due), self._inputs)
-            self._inputs = []
-            now = self.time_s
-            if not outputs and now < due:
-                continue
-            for output in outputs:
+        world = self.world
+        self._catch_up(world.time_s)
+        while world.time_s < until_s - 1e-9:
+            now = world.time_s
+            for output in world.advance(until_s):
                 self._send_up(now, output)
-            arrived = self._arrival_s <= now
-            if arrived:
-                self._receive(now)
-            self._conduct(now)
-            if self.server.active != self.handovers[-1].sensor:
-                self.handovers.append(Handover(now, self.server.active))
-                self.world.active = self.server.active
-            if arrived:
-                downs = [link for link in self._downs if link.next_arrival_s <= now]
-                self._inputs = [parcel for link in downs for parcel in link.receive(now)]
-                self._arrival_s = min([link.next_arrival_s for link in self._links])
+            self._catch_up(world.time_s)
+
+    def _catch_up(self, now: float) -> None:
+        """Let everything outside the world happen that is due by now, each at its own instant.
+
+        Nothing of it reaches the world but messages to devices, and these act on them at their next turn: so the
+        physics need not stop for it.
+        """
+        while (due_s := self._next_due_s()) <= now:
+            self._happen(self.world.instant_s(due_s))
 
     def _next_due_s(self) -> float:
         """When something happens outside the world: an arrival, a timer, a boundary."""
-        due = min(self.server.next_due_s, self.dispatcher.next_due_s)
-        if self._boundaries:
-            due = min(due, self._boundaries[0][0])
-        return min(due, self._arrival_s)
+        due_s = min(
+            self._ups.next_arrival_s, self._downs.next_arrival_s, self.server.next_due_s, self.dispatcher.next_due_s
+        )
+        return min(due_s, self._boundaries[0][0]) if self._boundaries else due_s
+
+    def _happen(self, now: float) -> None:
+        for t_arrival_s, message in self._ups.receive(now):
+            if isinstance(message, RobotState):
+                self.dispatcher.robot(t_arrival_s, message)
+            else:
+                self._tell(t_arrival_s, message)
+        self._conduct(now)
+        if self.server.active != self.handovers[-1].sensor:
+            self.handovers.append(Handover(now, self.server.active))
+            self.world.active = self.server.active
+        for t_arrival_s, order in self._downs.receive(now):
+            reply = self.world.deliver(now, t_arrival_s, order)
+            if reply is not None:
+                self._send_up(now, reply)
 
     def _send_up(self, now: float, output: Outward) -> None:
         if isinstance(output, DeviceEvent):
             self.device_events.append((output, now))
         sender = ROBOT if isinstance(output, RobotState) else output.sensor
-        self._send(self._up[sender], now, output)
-
-    def _send(self, link: Link[Any], now: float, message: Any) -> None:
-        link.send(now, message)
-        self._arrival_s = min(self._arrival_s, link.next_arrival_s)
-
-    def _receive(self, now: float) -> None:
-        arrived = [parcel for link in self._ups if link.next_arrival_s <= now for parcel in link.receive(now)]
-        for t_arrival_s, message in sorted(arrived, key=lambda parcel: parcel[0]):
-            if isinstance(message, RobotState):
-                self.dispatcher.robot(t_arrival_s, message)
-            else:
-                self._tell(t_arrival_s, message)
+        self._up[sender].send(now, output)
 
     def _tell(self, t_arrival_s: float, message: DeviceEvent | ClientStatus | SyncReply) -> None:
         for event in self.server.receive(t_arrival_s, message):
@@ -170,14 +159,14 @@ class Session:
             if self.method is not None:
                 self.dispatcher.listen(now)
             for order in self.server.due(now):
-                self._send(self._down[order.sensor], now, order)
+                self._down[order.sensor].send(now, order)
         if self.method is not None and self.dispatcher.next_due_s <= now:
             for wake_s in self.dispatcher.wakes_due(now):
                 self._answer(now, self.method.on_wake(wake_s))
             for command in self.dispatcher.due(now):
                 if not self.commands or command.number != self.commands[-1].number:
                     self.commands.append(command)
-                self._send(self._down[ROBOT], now, command)
+                self._down[ROBOT].send(now, command)
 
     def log(self) -> SessionLog:
         """Everything that has happened so far."""
@@ -233,21 +222,6 @@ def run_session(
     return session.log()
 
 
-@contextmanager
-def _collector_paused() -> Iterator[None]:
-    """Keep the garbage collector from walking through everything that is loaded, again and again.
-
-    What a session makes lives as long as it does; nothing is in cycles that would have to be collected meanwhile.
-    """
-    running = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if running:
-            gc.enable()
-
-
 def versions() -> dict[str, str]:
     """Versions of the packages that a session's outcome depends on; those not installed are left out."""
     found: dict[str, str] = {}
@@ -269,6 +243,7 @@ def _brief(session: Session) -> Brief:
         beat_s=60.0 / config.dance.bpm,
         iteration_start_s=tuple(table.start_s(iteration) for iteration in iterations),
         window_end_s=tuple(table.close_s(iteration) for iteration in iterations),
+        tempo=table.tempo.shifted(table.lead_in_s),
     )
 
 

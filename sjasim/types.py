@@ -293,8 +293,7 @@ class PersonStatus(NamedTuple):
     hands: float
 
 
-@dataclass(frozen=True, slots=True)
-class ClientStatus:
+class ClientStatus(NamedTuple):
     """A client's regular report (5 Hz) of the persons it sees; the server matches persons with it."""
 
     sensor: str
@@ -302,16 +301,14 @@ class ClientStatus:
     persons: tuple[PersonStatus, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class SyncRequest:
+class SyncRequest(NamedTuple):
     """First half of a clock exchange: the server's time when it asked."""
 
     sensor: str
     t_server_send_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class SyncReply:
+class SyncReply(NamedTuple):
     """Second half of a clock exchange, with the device clock at reception and at sending."""
 
     sensor: str

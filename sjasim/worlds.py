@@ -7,6 +7,7 @@ each on its own rate. A world emits messages and takes messages; links and serve
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Protocol, cast
 
@@ -17,13 +18,15 @@ from .choreography.layout import Layout
 from .choreography.score import Timetable
 from .clock import DeviceClock, Task, stream
 from .config import FaultConfig, SessionConfig
-from .humans.anatomy import Build, anatomy
+from .humans.anatomy import Build
 from .humans.balance import Balance
-from .humans.motion import Planner
+from .humans.body import body_model
+from .humans.motion import PREVIEW_S, Planner
 from .humans.reference import Reference
-from .humans.timing import EnsembleTiming, preset
+from .humans.timing import SOONEST_S
 from .ledger import Ledger
 from .logs import AgentEvent, Notice
+from .people import people
 from .registry import resolve
 from .robot.executor import Executor
 from .robot.odometry import Odometry, RobotEventDetector
@@ -68,12 +71,31 @@ class World(Protocol):
         """Session time that has been reached [s]."""
         ...
 
-    def advance(self, until_s: float, inputs: Sequence[tuple[float, Inward]]) -> list[Outward]:
-        """Deliver inputs now, then advance to ``until_s`` or to the first instant at which something is sent.
+    def instant_s(self, t_s: float) -> float:
+        """The first instant that is not before a time: all that happens in a session happens at instants [s]."""
+        ...
+
+    def deliver(self, now_s: float, t_arrival_s: float, message: Inward) -> SyncReply | None:
+        """Hand a message to the device that it is for.
 
         Args:
-            until_s: session time to reach at most.
-            inputs: messages with the session time of their arrival, which is not after the present.
+            now_s: the instant at which it is dealt with: not after the present, and after the devices' last turn.
+            t_arrival_s: session time at which it arrived, and was stamped.
+            message: what arrived.
+
+        Returns:
+            the device's answer, sent at ``now_s``.
+        """
+        ...
+
+    def advance(self, until_s: float) -> list[Outward]:
+        """Give devices whose turn it is their turn, then go on to the next turn of any.
+
+        Args:
+            until_s: session time to reach at most; a turn that is due then is left to the next call.
+
+        Returns:
+            what the devices sent at the instant at which the call began.
         """
         ...
 
@@ -108,13 +130,14 @@ class PhysicsWorld:
         self._outbox: list[Outward] = []
         self._check_s = 0.0
         self._next_iteration = timetable.first
+        self._begin_s = 0.0
         self.plan()
 
     def _dance(self, config: SessionConfig, timetable: Timetable, layout: Layout, robot: bool) -> None:
         heading = timetable.heading_rad(timetable.first)
         rate = config.stage.balance_hz
         builds = [_person(config, index) for index in range(config.group)]
-        self._anatomies = [anatomy(build) for build in builds]
+        self._anatomies = [body_model(config.body.model).anatomy(build) for build in builds]
         reference = Reference.empty(config.group, math.ceil((self.end_s + 1.0) * rate) + 1)
         turn = timetable.choreography.turn_rad
         self._planners = [
@@ -127,14 +150,10 @@ class PhysicsWorld:
         )  # fmt: skip
         omega = np.array([planner.omega for planner in self._planners])
         self.balance = Balance(reference, omega, rate, self.stage.servos)
-        self._timing = EnsembleTiming(
-            preset(config.humans),
-            timetable,
-            config.group,
-            stream(config.seed, "humans", "group"),
-            stream(config.seed, "humans", "performance", config.performance or config.method),
-        )
+        self._timing = people(config, timetable)
         self._busy_s = np.zeros(config.group)
+        self._decided: list[deque[Cue]] = [deque() for _ in range(config.group)]
+        self._set_out_s = 0.0
         self._fallen = np.zeros(config.group, dtype=bool)
         self._fall_m = FALLEN_SHARE * np.array([body.standing_m for body in self._anatomies])
 
@@ -179,29 +198,31 @@ class PhysicsWorld:
         """Session time that has been reached [s]."""
         return self.stage.time_s
 
-    def advance(self, until_s: float, inputs: Sequence[tuple[float, Inward]]) -> list[Outward]:
+    def instant_s(self, t_s: float) -> float:
+        """See `World`: a tick of the physics."""
+        return self.stage.ticks.first_s(t_s)
+
+    def deliver(self, now_s: float, t_arrival_s: float, message: Inward) -> SyncReply | None:
+        """See `World`."""
+        if not isinstance(message, MoveCommand):
+            return self._clients[message.sensor].receive(t_arrival_s, message, now_s)
+        if now_s < self._dead_from_s:
+            self._executor.receive(now_s, message)
+        return None
+
+    def advance(self, until_s: float) -> list[Outward]:
         """See `World`; instants between two ticks count as the later one."""
-        self._outbox = []
-        now = self.time_s
+        stage = self.stage
+        now, goal = stage.time_s, stage.ticks.at_or_after(until_s)
+        if until_s > now:  # whatever rounding says, time goes on
+            goal = max(goal, stage.tick + 1)
+        if stage.tick >= goal:
+            return []
         if now >= self._check_s:
             self._check(now)
-        for t_arrival_s, message in inputs:
-            if isinstance(message, MoveCommand):
-                if now < self._dead_from_s:
-                    self._executor.receive(now, message)
-            else:
-                reply = self._clients[message.sensor].receive(t_arrival_s, message, now)
-                if reply is not None:
-                    self._outbox.append(reply)
-        goal = self.stage.ticks.at_or_after(until_s)
-        if until_s > now:  # whatever rounding says, time goes on
-            goal = max(goal, self.stage.tick + 1)
-        stage, balance, frame, robot = self.stage, self._balance_task, self._frame_task, self._robot_task
-        while stage.tick < goal and not self._outbox:
-            self._fire()
-            if self._outbox:
-                break
-            stage.step_to(min(balance.due, frame.due, robot.due, goal))
+        self._outbox = []
+        self._fire()
+        stage.step_to(min(self._balance_task.due, self._frame_task.due, self._robot_task.due, goal))
         return self._outbox
 
     def latest(self, sensor: str) -> SkeletonFrame | None:
@@ -266,6 +287,8 @@ class PhysicsWorld:
     def _move(self, now: float) -> None:
         if now >= self._plan_s:
             self.plan()
+        if now >= self._set_out_s:
+            self.set_out(now)
         states = self.stage.states()
         self.stage.apply(self.balance.targets(round(now * self._config.stage.balance_hz), states))
         self.ledger.write(now, states.root, self.stage, self._fallen)
@@ -275,28 +298,54 @@ class PhysicsWorld:
         self._check_s = now + CHECK_S
         self.stage.check()
         down = (self.stage.heights_m < self._fall_m) & ~self._fallen
+        if not down.any():
+            return
         self._fallen |= down
         for index in np.flatnonzero(down):
             self.stage.let_go(int(index))
             self.notices.append(Notice(now, dancer_name(int(index)), "fell and dances no more"))
 
     def plan(self) -> None:
-        """Draw the next iteration's times and plan everybody's motion; people know it some beats ahead."""
+        """Ask everybody what they decide to do next, and plan their motion; people know it some beats ahead."""
         now = self.time_s
-        iteration = self._next_iteration
-        self._next_iteration += 1
-        self._plan_s = self._timetable.close_s(iteration) if iteration < self._timetable.last else math.inf
-        earliest = np.maximum(self._busy_s, now + 0.5)
-        drawn = self._timing.draw(iteration, self._appropriateness(iteration - 1), earliest)
+        if now >= self._begin_s and self._timing.next_due_s == math.inf:
+            self._begin(now)
+        drawn = self._timing.decide(now, self._seen())
         for index, cues in enumerate(drawn):
-            if self._fallen[index]:
+            if self._fallen[index] or not cues:
                 continue
             performed = _with_faults(cues, self._faults)
-            self._planners[index].extend(performed, now)
+            self._decided[index].extend(performed)
             self.cues.extend(performed)
             if performed:
                 self._busy_s[index] = max(cue.t_s + cue.duration_s for cue in performed) + REST_S
         self.cues.sort(key=lambda cue: (cue.iteration, cue.t_s))
+        due_s = self._timing.next_due_s
+        self._plan_s = due_s if due_s < math.inf else self._begin_s
+        self._set_out_s = now
+
+    def set_out(self, now: float) -> None:
+        """Plan everybody's next move as late as it may be planned, and so from where they stand by then."""
+        ahead_s = now + PREVIEW_S
+        for planner, decided, fallen in zip(self._planners, self._decided, self._fallen, strict=True):
+            while decided and decided[0].t_s <= ahead_s:
+                cue = decided.popleft()
+                if not fallen:
+                    planner.extend([cue], now)
+        self._set_out_s = min((decided[0].t_s for decided in self._decided if decided), default=math.inf) - PREVIEW_S
+
+    def _begin(self, now: float) -> None:
+        """Begin the next iteration; the one after it begins when this one's window has closed."""
+        iteration = self._next_iteration
+        self._next_iteration += 1
+        self._begin_s = self._timetable.close_s(iteration) if iteration < self._timetable.last else math.inf
+        earliest = np.maximum(self._busy_s, now + SOONEST_S)
+        self._timing.begin(iteration, self._appropriateness(iteration - 1), earliest)
+
+    def _seen(self) -> list[tuple[Kind, float]]:
+        """What the robot has been seen to do in the iteration that is being decided."""
+        iteration = self._next_iteration - 1
+        return [(event.kind, event.t_s) for event in self.robot_events if event.iteration == iteration]
 
     def _appropriateness(self, iteration: int) -> float | None:
         """The robot's mean timing error as the dancers feel it; None where it did not dance."""

@@ -21,6 +21,14 @@ def test_at_or_after_undoes_time(rate):
     assert ticks.at_or_after(0.5 / rate) == 1
 
 
+def test_the_first_tick_is_never_before_the_time():
+    ticks = Ticks(240)
+    for k in range(2000):
+        at = ticks.time_s(k)
+        assert ticks.first_s(at) == at
+        assert ticks.first_s(float(np.nextafter(at, 1e3))) == ticks.time_s(k + 1)
+
+
 @pytest.mark.parametrize("hz", [1, 7, 30, 50, 240])
 def test_a_task_fires_at_the_first_tick_that_is_due(hz):
     task = Task(Ticks(240), hz)

@@ -13,9 +13,7 @@ from ..choreography.score import Timetable
 from ..choreography.timetable import timetable
 from ..config_io import from_plain
 from ..logs import AgentEvent, Notice, SessionLog
-from ..types import (
-    ROBOT,
-)
+from ..types import ROBOT
 from .group import Togetherness, net_latencies, together
 from .onsets import dancer_events, robot_events
 from .quality import (

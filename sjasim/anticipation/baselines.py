@@ -5,16 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from ..answers import Answer, Brief, Intention
+from ..answers import Answer, Intention
 from ..errors import ConfigError
 from ..registry import register
-from ..types import (
-    Event,
-)
-from .eca import LEAD_S
-from .history import nominal_times
+from .scheduling import LEAD_S, Scheduling
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +27,7 @@ class MetronomeConfig:
 
 
 @register("anticipation", "metronome", config=MetronomeConfig)
-class Metronome:
+class Metronome(Scheduling):
     """The robot dances the score to the music and perceives nobody.
 
     Args:
@@ -43,34 +37,11 @@ class Metronome:
     def __init__(self, config: MetronomeConfig = MetronomeConfig()) -> None:
         self._config = config
 
-    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
-        """Begin a dance."""
-        self._brief = brief
-        self._after = nominal_times(brief) - self._config.lead_s
-        self._scheduled = 0
-
-    def on_event(self, event: Event) -> Sequence[Answer]:
-        """Deaf."""
-        return ()
-
-    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
-        """Schedule an iteration that has nothing before it."""
-        return () if iteration <= self._scheduled else self._schedule(iteration)
-
-    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
-        """Schedule the next iteration."""
-        return self._schedule(iteration + 1)
-
-    def on_wake(self, t_s: float) -> Sequence[Answer]:
-        """No timers."""
-        return ()
-
     def _schedule(self, iteration: int) -> Sequence[Answer]:
-        if not 1 <= iteration <= self._brief.iterations:
-            return ()
-        self._scheduled = iteration
-        start = self._brief.iteration_start_s[iteration]
         return tuple(
-            Intention(iteration, step.ordinal, start + float(after), f"beat {step.beat:g}")
-            for step, after in zip(self._brief.steps, self._after, strict=True)
-        )
+            Intention(
+                iteration, step.ordinal, self._brief.time_s(iteration, step.beat) - self._config.lead_s,
+                f"beat {step.beat:g}",
+            )
+            for step in self._brief.steps
+        )  # fmt: skip

@@ -13,15 +13,10 @@ import numpy as np
 from ..answers import Answer, Brief, Intention
 from ..errors import ConfigError
 from ..registry import register
-from ..types import (
-    Event,
-)
+from ..types import Event
 from .appropriateness import EPSILON_S
 from .history import History
-
-LEAD_S = 0.15
-"""How long before a scheduled time the command is sent [s]; assumed: the pilots of iqbal2016 measured the robot's
-latency, so its builders knew it, but the paper gives no figure."""
+from .scheduling import LEAD_S, Scheduling
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +38,7 @@ class EcaConfig:
 
 
 @register("anticipation", "eca", config=EcaConfig)
-class Eca:
+class Eca(Scheduling):
     """ECA: when an iteration closes, schedules the next one at the mean of each event's cluster.
 
     A step that fewer than two dancers did together keeps its last time, first the nominal beat; so does a whole
@@ -58,31 +53,15 @@ class Eca:
 
     def reset(self, brief: Brief, rng: np.random.Generator) -> None:
         """Begin a dance."""
-        self._brief = brief
+        super().reset(brief, rng)
         self._history = History(brief, self._config.epsilon_s)
-        self._scheduled = 0
 
     def on_event(self, event: Event) -> Sequence[Answer]:
         """Remember; never answer."""
         self._history.add(event)
         return ()
 
-    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
-        """Schedule an iteration that has nothing before it (no rehearsal) by nominal beats."""
-        return () if iteration <= self._scheduled else self._schedule(iteration)
-
-    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
-        """Schedule the next iteration."""
-        return self._schedule(iteration + 1)
-
-    def on_wake(self, t_s: float) -> Sequence[Answer]:
-        """No timers."""
-        return ()
-
     def _schedule(self, iteration: int) -> Sequence[Answer]:
-        if iteration > self._brief.iterations:
-            return ()
-        self._scheduled = iteration
         return scheduled(self._brief, self._history, iteration, self._config.lead_s)
 
 

@@ -35,9 +35,7 @@ import numpy as np
 from ..answers import Answer, Brief
 from ..errors import ConfigError, PluginError
 from ..registry import resolve
-from ..types import (
-    Event,
-)
+from ..types import Event
 
 
 @runtime_checkable

@@ -13,14 +13,11 @@ import numpy as np
 from ..answers import Answer, Brief, Intention, Withdrawal
 from ..errors import ConfigError
 from ..registry import register
-from ..types import (
-    Array,
-    Event,
-    Kind,
-)
+from ..types import Array, Event, Kind
 from .appropriateness import EPSILON_S
-from .eca import LEAD_S, scheduled
+from .eca import scheduled
 from .history import History
+from .scheduling import LEAD_S, Scheduling
 from .synchrony import most_synchronous
 
 STARTS = (Kind.START_FORWARD, Kind.START_BACKWARD)
@@ -63,7 +60,7 @@ class SiaConfig:
 
 
 @register("anticipation", "sia", config=SiaConfig)
-class Sia:
+class Sia(Scheduling):
     """SIA: chooses the most synchronous dancer when an iteration closes, and follows them through the next one.
 
     Only the next unresolved step is listened for. An early event of the followed dancer triggers it, else their
@@ -72,6 +69,8 @@ class Sia:
     if its time has passed, and the decision says ``fallback``. If meanwhile a regular event shows that the dancer
     is past the step, a stop or turn falls back at once, and a start is passed over with its stop: its
     move is over.
+
+    Timers it has none: fallbacks are intentions that an event replaces.
 
     Args:
         config: its options.
@@ -82,9 +81,8 @@ class Sia:
 
     def reset(self, brief: Brief, rng: np.random.Generator) -> None:
         """Begin a dance."""
-        self._brief = brief
+        super().reset(brief, rng)
         self._history = History(brief, self._config.epsilon_s)
-        self._scheduled = 0
         self._chosen: dict[int, str] = {}
         self._before: str | None = None
         self._leader = ""
@@ -118,23 +116,12 @@ class Sia:
         begun = self._brief.steps[step - 1].kind not in STARTS
         return (*skipped, self._follow(event) if begun else self._pass_over(event, whole=True))
 
-    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
-        """Schedule an iteration that has nothing before it (no rehearsal)."""
-        return () if iteration <= self._scheduled else self._prepare(iteration)
-
     def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
-        """Choose whom to follow, and prepare the next iteration."""
-        return self._prepare(iteration + 1)
-
-    def on_wake(self, t_s: float) -> Sequence[Answer]:
-        """No timers: fallbacks are intentions that an event replaces."""
-        return ()
-
-    def _prepare(self, iteration: int) -> Sequence[Answer]:
+        """Let go of the dancer that was followed, and prepare the next iteration."""
         self._leader = ""
-        if iteration > self._brief.iterations:
-            return ()
-        self._scheduled = iteration
+        return super().on_iteration_end(iteration, t_s)
+
+    def _schedule(self, iteration: int) -> Sequence[Answer]:
         self._choose(iteration - 1)
         intentions = scheduled(self._brief, self._history, iteration, self._config.lead_s)
         if iteration < self._config.effective_from:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from ..assets.names import CARDINALS
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
 from ..logs import Notice
-from ..types import (
-    ClientStatus,
-)
+from ..types import ClientStatus
 
 OVERLAP_BEAT = 34.0
 """Beat of an iteration from which the next client watches too: while people turn to it."""
@@ -66,10 +65,12 @@ class ActiveClient:
         }
         self._group = max(group, 1)
         span = range(timetable.first, timetable.last + 1)
-        self._faced = [self._sensor_at(timetable.heading_rad(iteration)) for iteration in span]
+        faced = [self._sensor_at(timetable.heading_rad(iteration)) for iteration in span]
+        # Who is likely in each iteration, before and after the next client joins.
+        self._likely = [(frozenset([own]), frozenset([own, then])) for own, then in pairwise([*faced, faced[-1]])]
         self._starts_s = [timetable.start_s(iteration) for iteration in span]
         self._joins_s = [timetable.time_s(iteration, OVERLAP_BEAT) for iteration in span]
-        self.name = self._faced[0]
+        self.name = faced[0]
         """The active client's sensor."""
 
     @property
@@ -80,14 +81,12 @@ class ActiveClient:
     def expected(self, t_s: float) -> frozenset[str]:
         """Sensors that the iteration makes likely: one, or at a turn two."""
         index = max(bisect_right(self._starts_s, t_s) - 1, 0)
-        likely = {self._faced[index]}
-        if t_s >= self._joins_s[index] and index + 1 < len(self._faced):
-            likely.add(self._faced[index + 1])
-        return frozenset(likely)
+        return self._likely[index][t_s >= self._joins_s[index]]
 
     def watching(self, t_s: float) -> frozenset[str]:
         """Sensors that should detect at full rate: the active one, and at a hand-over both concerned."""
-        return self.expected(t_s) | {self.name}
+        expected = self.expected(t_s)
+        return expected if self.name in expected else expected | {self.name}
 
     def facing(self, sensor: str, person: int) -> float:
         """Cosine between a person's heading and the direction of the sensor: 1 face to face; 0 if not known."""

@@ -9,6 +9,7 @@ Source: mills1991 (four time stamps, minimum-delay filter), with a least-squares
 
 from __future__ import annotations
 
+import math
 from collections import deque
 
 from ..types import SyncReply
@@ -18,6 +19,9 @@ BUCKET = 8
 
 KEPT = 16
 """Quickest exchanges the line is fitted to: about half a minute at 4 Hz."""
+
+FEW = 3
+"""With fewer buckets than these every exchange counts."""
 
 DRIFT_SPAN_S = 6.0
 """Below this span no drift is estimated: the exchanges' own error would exceed a quartz's drift."""
@@ -38,7 +42,7 @@ class ClockSync:
     Until the first exchange it is unlocked and a device time means nothing.
     """
 
-    __slots__ = ("_best", "_drift", "_offset_s", "_origin_s", "_recent")
+    __slots__ = ("_best", "_drift", "_mean", "_offset_s", "_origin_s", "_recent", "_round_trip_s")
 
     def __init__(self) -> None:
         self._best: deque[Sample] = deque(maxlen=KEPT)
@@ -46,6 +50,8 @@ class ClockSync:
         self._origin_s = 0.0
         self._offset_s = 0.0
         self._drift = 0.0
+        self._mean = (0.0, 0.0)
+        self._round_trip_s = math.inf
 
     @property
     def locked(self) -> bool:
@@ -65,7 +71,7 @@ class ClockSync:
     @property
     def round_trip_s(self) -> float:
         """Quickest round trip among the samples held [s]; infinite while unlocked."""
-        return min((delay for _, _, delay in (*self._best, *self._recent)), default=float("inf"))
+        return self._round_trip_s
 
     def session_time(self, t_device_s: float) -> float:
         """Session time of a device time, by the present estimate [s]."""
@@ -94,8 +100,13 @@ class ClockSync:
             self._best.clear()
             self._recent.clear()
             self._drift = 0.0
-        self._recent.append((middle, offset, delay))
-        self._fit()
+        sample = (middle, offset, delay)
+        self._recent.append(sample)
+        if len(self._best) < FEW or sample is min(self._recent, key=_delay):
+            self._fit()
+        mean_t, mean_o = self._mean
+        self._origin_s = middle
+        self._offset_s = mean_o + self._drift * (middle - mean_t)
         if len(self._recent) >= BUCKET:
             self._best.append(min(self._recent, key=_delay))
             self._recent.clear()
@@ -111,9 +122,8 @@ class ClockSync:
 
     def _fit(self) -> None:
         """Least squares through the quickest exchanges; a slow one weighs little, its error being larger."""
-        last = self._recent[-1][0]
         samples = [*self._best, min(self._recent, key=_delay)]
-        if len(self._best) < 3:
+        if len(self._best) < FEW:
             samples = [*self._best, *self._recent]
         quickest = min(map(_delay, samples))
         weight = mean_t = mean_o = 0.0
@@ -133,9 +143,9 @@ class ClockSync:
                 along += w * (time - mean_t) ** 2
                 across += w * (time - mean_t) * (offset - mean_o)
             drift = max(-MAX_DRIFT, min(MAX_DRIFT, across / along))
-        self._origin_s = last
         self._drift = drift
-        self._offset_s = mean_o + drift * (last - mean_t)
+        self._mean = mean_t, mean_o
+        self._round_trip_s = quickest
 
 
 def _delay(sample: Sample) -> float:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sjasim.answers import Intention
-from sjasim.anticipation.eca import LEAD_S
+from sjasim.anticipation.scheduling import LEAD_S
 
 AT = {"dancer_1": 0.2, "dancer_2": 0.3, "dancer_3": 0.4}
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sjasim.answers import Intention, Withdrawal
-from sjasim.anticipation.eca import LEAD_S
+from sjasim.anticipation.scheduling import LEAD_S
 from sjasim.types import (
     Kind,
 )
