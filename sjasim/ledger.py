@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from .assets.names import JOINT_INDEX
 from .choreography.layout import Mount
 from .config import SessionConfig
-from .stage import Stage
-from .types import Array, IntArray, RobotState, Skeletons
+from .types import Array, DancerStates, IntArray, RobotState, Skeletons
 
 TRUTH_COLUMNS = (
     "t_s", "dancer", "x_m", "y_m", "z_m", "heading_rad", "hands_m", "tether_x_n", "tether_y_n",
@@ -60,23 +59,20 @@ class Ledger:
     """Columns of truth and odometry, and the joints at frame rate.
 
     Args:
-        stage: for sizes and weights.
+        weight_n: (D,) the dancers' weights [N].
         end_s: how long the session lasts.
         config: rates.
     """
 
-    def __init__(self, stage: Stage, end_s: float, config: SessionConfig) -> None:
-        self._weight = stage.servos.weight
+    def __init__(self, weight_n: Array, end_s: float, config: SessionConfig) -> None:
+        self._weight = weight_n
         dancers = len(self._weight)
         ticks = math.ceil(end_s * config.stage.balance_hz) + 2
         self._t_s = np.empty(ticks)
-        self._roots = np.empty((ticks, dancers, 6))
-        self._hands = np.empty((ticks, dancers, 2, 3))
-        self._tether = np.zeros((ticks, dancers, 5))
-        self._loads = np.empty((ticks, dancers))
-        self._fallen = np.empty((ticks, dancers), dtype=bool)
+        self._states = np.empty((ticks, dancers, 36))
+        self._fell_s = np.full(dancers, np.inf)
         self._every = max(1, config.stage.balance_hz // config.stage.truth_hz)
-        self._odometry = np.empty((math.ceil(end_s * config.robot.odometry_hz) + 2, len(ODOMETRY_COLUMNS)))
+        self._odometry: list[tuple[float, ...]] = []
         frames = math.ceil(end_s * config.sensors.rate_hz) + 2
         self._joints = np.empty((frames, dancers, 25, 3), dtype=np.float32)
         self._mounts: dict[str, tuple[Mount, list[int]]] = {}
@@ -84,19 +80,11 @@ class Ledger:
         self._visible = np.zeros((frames, dancers, 25), dtype=bool)
         self._watched = np.zeros(frames, dtype=bool)
         self._frame = np.empty(ticks, dtype=np.int64)
-        self._load = np.zeros(dancers)
-        self._rows = self._rides = self._frames = 0
-
-    def feel(self, stage: Stage) -> None:
-        """Remember the floor's force; called at the robot's ticks, which are out of step with the controller's."""
-        self._load = stage.loads()
+        self._rows = self._frames = 0
 
     def ride(self, state: RobotState, true_pose: tuple[float, float, float]) -> None:
         """One odometry sample with the true pose."""
-        if self._rides < len(self._odometry):
-            row = (state.t_s, state.x_m, state.y_m, state.heading_rad, state.step_m, state.yaw_rate_rad_s)
-            self._odometry[self._rides] = (*row, *true_pose)
-            self._rides += 1
+        self._odometry.append((*state, *true_pose))
 
     def see(self, joints_m: Array, visible: NDArray[np.bool_] | None, dancers: IntArray | None) -> None:
         """One frame.
@@ -128,23 +116,23 @@ class Ledger:
             _keep(skeletons.joints, skeletons.state, dancers, self._skeletons[self._frames])
             self._mounts.setdefault(mount.name, (mount, []))[1].append(self._frames)
 
-    def write(self, now: float, roots: Array, stage: Stage, fallen: NDArray[np.bool_]) -> None:
-        """One tick of truth; ``roots`` is (D, 6)."""
+    def write(self, now: float, states: DancerStates) -> None:
+        """One tick of truth."""
         row = self._rows
         if row >= len(self._t_s):
             return
         self._t_s[row] = now
-        self._roots[row] = roots
-        stage.copy_hands(self._hands[row])
-        stage.copy_tether(self._tether[row])
-        self._loads[row] = self._load
-        self._frame[row] = max(self._frames - 1, 0)
-        self._fallen[row] = fallen
+        self._states[row] = states.rows
+        self._frame[row] = self._frames
         self._rows += 1
+
+    def fall(self, now: float, dancer: int) -> None:
+        """A dancer is down from now on."""
+        self._fell_s[dancer] = now
 
     def _share_seen(self, joints: list[int], rows: slice) -> Array:
         """(N, D) share of some joints that were seen at each tick; NaN while nobody watched."""
-        frame = self._frame[rows]
+        frame = np.maximum(self._frame[rows] - 1, 0)
         share = self._visible[:, :, joints].mean(axis=2)[frame]
         share[~self._watched[frame]] = np.nan
         return np.asarray(share)
@@ -152,27 +140,28 @@ class Ledger:
     def truth(self) -> dict[str, NDArray[np.generic]]:
         """The truth as columns."""
         kept = slice(0, self._rows, self._every)
-        shape = self._loads[kept].shape
-        hands, tether = self._hands[kept], self._tether[kept]
+        t_s, states = self._t_s[kept, None], self._states[kept]
+        shape = states.shape[:2]
+        of = DancerStates(states.reshape(-1, states.shape[2]))
         tables: dict[str, NDArray[np.generic]] = {
-            "t_s": np.broadcast_to(self._t_s[kept, None], shape),
+            "t_s": np.broadcast_to(t_s, shape),
             "dancer": np.broadcast_to(np.arange(shape[1]), shape),
-            **{name: self._roots[kept, :, k] for k, name in enumerate(("x_m", "y_m", "z_m", "heading_rad"))},
-            "hands_m": np.sqrt(((hands[:, :, 0] - hands[:, :, 1]) ** 2).sum(axis=-1)),
-            "tether_x_n": tether[:, :, 0],
-            "tether_y_n": tether[:, :, 1],
-            "tether_torque_nm": np.sqrt((tether[:, :, 2:] ** 2).sum(axis=-1)),
-            "load_n": self._loads[kept],
+            **{name: of.root[:, k] for k, name in enumerate(("x_m", "y_m", "z_m", "heading_rad"))},
+            "hands_m": np.sqrt(((of.hands[:, 0] - of.hands[:, 1]) ** 2).sum(axis=-1)),
+            "tether_x_n": of.tether[:, 0],
+            "tether_y_n": of.tether[:, 1],
+            "tether_torque_nm": np.sqrt((of.tether[:, 2:] ** 2).sum(axis=-1)),
+            "load_n": of.load,
             "weight_n": np.broadcast_to(self._weight, shape),
             "spine_seen": self._share_seen(_TORSO, kept),
             "hands_seen": self._share_seen(_HANDS, kept),
-            "fallen": self._fallen[kept].astype(np.int64),
+            "fallen": (t_s >= self._fell_s).astype(np.int64),
         }
         return {name: tables[name].reshape(-1).copy() for name in TRUTH_COLUMNS}
 
     def odometry(self) -> dict[str, Array]:
         """The odometry as columns; empty without a robot."""
-        rows = self._odometry[: self._rides]
+        rows = np.array(self._odometry)
         return {name: rows[:, k].copy() for k, name in enumerate(ODOMETRY_COLUMNS)} if len(rows) else {}
 
     def joints(self) -> NDArray[np.float32]:

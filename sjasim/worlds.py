@@ -124,7 +124,7 @@ class PhysicsWorld:
         self._faults = config.faults
         self._dance(config, timetable, layout, robot)
         self._equip(config, layout, robot)
-        self.ledger = Ledger(self.stage, self.end_s, config)
+        self.ledger = Ledger(self.stage.servos.weight, self.end_s, config)
         self._outbox: list[Outward] = []
         self._check_s = 0.0
         self._next_iteration = timetable.first
@@ -242,7 +242,7 @@ class PhysicsWorld:
         """A tick of the robot: odometry, events, wheel command; at every second one the floor's force is felt."""
         self._feels = not self._feels
         if self._feels:
-            self.ledger.feel(self.stage)
+            self.stage.feel()
         if not self._has_robot:
             return
         if now >= self._dead_from_s:
@@ -285,7 +285,7 @@ class PhysicsWorld:
             self.plan()
         states = self.stage.states()
         self.stage.apply(self.balance.targets(round(now * self._config.stage.balance_hz), states))
-        self.ledger.write(now, states.root, self.stage, self._fallen)
+        self.ledger.write(now, states)
 
     def _check(self, now: float) -> None:
         """Now and then: is the physics sound, has anybody fallen?"""
@@ -297,6 +297,7 @@ class PhysicsWorld:
         self._fallen |= down
         for index in np.flatnonzero(down):
             self.stage.let_go(int(index))
+            self.ledger.fall(now, int(index))
             self.notices.append(Notice(now, dancer_name(int(index)), "fell and dances no more"))
 
     def plan(self) -> None:
