@@ -209,25 +209,25 @@ class PhysicsWorld:
     def advance(self, until_s: float) -> list[Outward]:
         """See `World`; instants between two ticks count as the later one."""
         stage = self.stage
-        now, goal = stage.time_s, stage.ticks.at_or_after(until_s)
-        if until_s > now:  # whatever rounding says, time goes on
-            goal = max(goal, stage.tick + 1)
-        if stage.tick >= goal:
+        now = stage.time_s
+        if until_s <= now:
             return []
         if now >= self._check_s:
             self._check(now)
         self._outbox = []
-        self._fire()
-        stage.step_to(min(self._balance_task.due, self._frame_task.due, self._robot_task.due, goal))
+        self._fire(stage.tick, now)
+        turn = min(self._balance_task.due, self._frame_task.due, self._robot_task.due)
+        if stage.ticks.time_s(turn) > until_s:  # whatever rounding says, time goes on
+            turn = min(turn, max(stage.ticks.at_or_after(until_s), stage.tick + 1))
+        stage.step_to(turn)
         return self._outbox
 
     def latest(self, sensor: str) -> SkeletonFrame | None:
         """The last frame that a sensor's client has processed."""
         return self._clients[sensor].latest
 
-    def _fire(self) -> None:
+    def _fire(self, tick: int, now: float) -> None:
         """Do everything that is due at this tick, before the physics goes on."""
-        tick, now = self.stage.tick, self.stage.time_s
         if tick == self._robot_task.due:
             self.drive(now)
             self._robot_task.advance()

@@ -11,7 +11,6 @@ from sjasim.types import DancerStates, RobotState
 WEIGHTS = np.array([700.0, 650.0])
 
 
-
 def states():
     """Two dancers: the first one's hands .3 m apart, the second pulled by 3 N and 4 N, half the weight on the floor."""
     rows = np.zeros((2, 36))
