@@ -131,6 +131,7 @@ class Stage:
             d.actuator_force, d.sensordata, d.subtree_com, d.subtree_linvel,
         )  # fmt: skip
         self._xpos, self._xmat, self._lifts = d.xpos, d.xmat, d.qfrc_constraint
+        self._joints: Array = np.empty(0)
         self._joints_tick = -1
         self.tick = 0
         self.time_s = 0.0
@@ -283,7 +284,7 @@ class Stage:
             self._joints = self._site_xpos.take(self._sites, axis=0)
             self._joints.flags.writeable = False
             self._joints_tick = self.tick
-        return np.asarray(self._joints)
+        return self._joints
 
     @property
     def yaw_rad(self) -> Array:
