@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .tempo import TempoMap
 from .types import Kind
 
 
@@ -32,9 +33,10 @@ class Brief:
         cast: names of the dancers.
         steps: the robot's events of one iteration, in order.
         iterations: how many iterations will be danced.
-        beat_s: nominal length of a beat.
+        beat_s: nominal length of a beat; a dance's tempo may change about it.
         iteration_start_s: session time of beat 0 of each iteration, index 0 being the rehearsal.
         window_end_s: session time at which each iteration's window closes, same index.
+        tempo: session time of the music's beats, counted from anywhere; steady at ``beat_s`` if not given.
     """
 
     cast: tuple[str, ...]
@@ -43,6 +45,21 @@ class Brief:
     beat_s: float
     iteration_start_s: tuple[float, ...]
     window_end_s: tuple[float, ...]
+    tempo: TempoMap | None = None
+
+    def beat(self, iteration: int, t_s: float) -> float:
+        """The beat of an iteration, and fraction of one, at a session time."""
+        start_s = self.iteration_start_s[iteration]
+        if self.tempo is None:
+            return (t_s - start_s) / self.beat_s
+        return self.tempo.beat(t_s) - self.tempo.beat(start_s)
+
+    def time_s(self, iteration: int, beat: float) -> float:
+        """Session time of a beat of an iteration [s]."""
+        start_s = self.iteration_start_s[iteration]
+        if self.tempo is None:
+            return start_s + beat * self.beat_s
+        return self.tempo.time_s(self.tempo.beat(start_s) + beat)
 
 
 @dataclass(frozen=True, slots=True)

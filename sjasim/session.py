@@ -248,6 +248,7 @@ def _brief(session: Session) -> Brief:
         beat_s=60.0 / config.dance.bpm,
         iteration_start_s=tuple(table.start_s(iteration) for iteration in iterations),
         window_end_s=tuple(table.close_s(iteration) for iteration in iterations),
+        tempo=table.tempo.shifted(table.lead_in_s),
     )
 
 

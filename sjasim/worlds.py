@@ -165,7 +165,7 @@ class PhysicsWorld:
         self._has_robot = robot
         self._blocked_from_s = _first_s(config.faults, "robot_blocked")
         self._dead_from_s = _first_s(config.faults, "dead_robot")
-        self._blocked = self._feels = False
+        self._blocked = False
         if robot:
             pose = (float(layout.robot[0]), float(layout.robot[1]), self._timetable.heading_rad(1))
             self._odometry = Odometry(config.robot, pose, stream(config.seed, "robot", "gyro"))
@@ -239,10 +239,7 @@ class PhysicsWorld:
             self._balance_task.advance()
 
     def drive(self, now: float) -> None:
-        """A tick of the robot: odometry, events, wheel command; at every second one the floor's force is felt."""
-        self._feels = not self._feels
-        if self._feels:
-            self.stage.feel()
+        """A tick of the robot: odometry, events, wheel command."""
         if not self._has_robot:
             return
         if now >= self._dead_from_s:
@@ -266,7 +263,8 @@ class PhysicsWorld:
             self._outbox.append(state)
 
     def look(self, now: float) -> None:
-        """A frame tick: the clients take their frames and send what is ready."""
+        """A frame tick: the clients take their frames and send what is ready; the floor's force is felt."""
+        self.stage.feel()
         for name, client in self._clients.items():
             skeletons = client.capture(now, self.stage)
             if name == self.active and skeletons is not None:

@@ -32,14 +32,13 @@ class FollowFirst:
     def reset(self, brief: Brief, rng: np.random.Generator) -> None:
         """Begin a dance: remember when each step falls on the music."""
         self._steps = brief.steps
-        self._start_s = brief.iteration_start_s
-        self._beat_s = brief.beat_s
+        self._brief = brief
 
     def on_event(self, event: Event) -> Sequence[Answer]:
         """Send the command of the nearest step of this kind at once."""
         if event.person != self._config.dancer or event.iteration == 0:
             return ()
-        beat = (event.t_s - self._start_s[event.iteration]) / self._beat_s
+        beat = self._brief.beat(event.iteration, event.t_s)
         steps = [step for step in self._steps if step.kind == event.kind]
         if not steps:
             return ()

@@ -95,7 +95,7 @@ class Scorer:
 
     def __post_init__(self) -> None:
         brief = self.session.brief
-        self._expected = nominal_times(brief)
+        self._expected = np.array([nominal_times(brief, iteration) for iteration in range(brief.iterations + 1)])
         count = brief.iterations + 1, len(brief.steps)
         self._dancers = np.full((count[0], len(brief.cast), count[1]), np.nan)
         self._robot = np.full(count, np.nan)
@@ -129,21 +129,21 @@ class Scorer:
             return self._settle(self._iteration - 1)
         return {}
 
-    def _step(self, kind: Kind, after_s: float) -> int | None:
-        """The step of this kind that is expected nearest to a time after beat 0."""
+    def _step(self, iteration: int, kind: Kind, after_s: float) -> int | None:
+        """The step of this kind that is expected nearest to a time after an iteration's beat 0."""
         ordinals = self._ordinals.get(Kind.CLAP if kind is Kind.TURN else kind)
-        return min(ordinals, key=lambda k: abs(self._expected[k] - after_s)) if ordinals else None
+        return min(ordinals, key=lambda k: abs(self._expected[iteration, k] - after_s)) if ordinals else None
 
     def _hear(self, event: Event) -> None:
         brief = self.session.brief
         if event.early or event.person not in brief.cast or not 1 <= event.iteration <= brief.iterations:
             return
         after = event.t_s - brief.iteration_start_s[event.iteration]
-        step = self._step(event.kind, after)
+        step = self._step(event.iteration, event.kind, after)
         if step is None:
             return
         place = event.iteration, brief.cast.index(event.person), step
-        expected = self._expected[step]
+        expected = self._expected[event.iteration, step]
         if not abs(self._dancers[place] - expected) <= abs(after - expected):
             self._dancers[place] = after
         self._pay_if_known(event.iteration, step)
@@ -153,7 +153,7 @@ class Scorer:
         step = None
         if 1 <= own.iteration <= brief.iterations:
             after = own.t_s - brief.iteration_start_s[own.iteration]
-            step = self._step(own.kind, after)
+            step = self._step(own.iteration, own.kind, after)
         if step is None or self._paid[own.iteration, step] or np.isfinite(self._robot[own.iteration, step]):
             self.terms["spurious"] -= self.config.spurious
             return

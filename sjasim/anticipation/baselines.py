@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from ..answers import Answer, Brief, Intention
+from ..answers import Answer, Intention
 from ..errors import ConfigError
 from ..registry import register
-from .history import nominal_times
 from .scheduling import LEAD_S, Scheduling
 
 
@@ -40,14 +37,11 @@ class Metronome(Scheduling):
     def __init__(self, config: MetronomeConfig = MetronomeConfig()) -> None:
         self._config = config
 
-    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
-        """Begin a dance."""
-        super().reset(brief, rng)
-        self._after = nominal_times(brief) - self._config.lead_s
-
     def _schedule(self, iteration: int) -> Sequence[Answer]:
-        start = self._brief.iteration_start_s[iteration]
         return tuple(
-            Intention(iteration, step.ordinal, start + float(after), f"beat {step.beat:g}")
-            for step, after in zip(self._brief.steps, self._after, strict=True)
-        )
+            Intention(
+                iteration, step.ordinal, self._brief.time_s(iteration, step.beat) - self._config.lead_s,
+                f"beat {step.beat:g}",
+            )
+            for step in self._brief.steps
+        )  # fmt: skip

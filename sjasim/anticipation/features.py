@@ -46,7 +46,6 @@ class Features:
     def __init__(self, brief: Brief) -> None:
         self._brief = brief
         self._history = History(brief, EPSILON_S)
-        self._nominal = nominal_times(brief)
         self._closed = -1
         self._person = {name: index for index, name in enumerate(brief.cast)}
         self._last_s = np.full((len(brief.cast), len(SYNCHRONY_KINDS), 2), -np.inf)
@@ -67,7 +66,7 @@ class Features:
 
     def beat(self, t_s: float) -> tuple[float, ...]:
         """The beat of the iteration over 40, then cosines and sines of its phases in `PERIODS`; 9 numbers."""
-        beat = (t_s - self._brief.iteration_start_s[self.iteration(t_s)]) / self._brief.beat_s
+        beat = self._brief.beat(self.iteration(t_s), t_s)
         phases = [turn * beat for turn in _TURNS]
         return beat / 40.0, *map(math.cos, phases), *map(math.sin, phases)
 
@@ -80,7 +79,7 @@ class Features:
         before = self.iteration(t_s) - 1
         if before != self._closed:
             self._closed = before
-            late_s = np.nan_to_num(self._history.times(before) - self._nominal)
+            late_s = np.nan_to_num(self._history.times(before) - nominal_times(self._brief, before))
             self._last_iteration = np.clip(late_s, -LATEST_S, LATEST_S).astype(np.float32)
         return self._last_iteration
 

@@ -16,9 +16,10 @@ from .appropriateness import ideal_times, occurrences
 from .synchrony import Series
 
 
-def nominal_times(brief: Brief) -> Array:
+def nominal_times(brief: Brief, iteration: int) -> Array:
     """(K,) times of the brief's steps after beat 0 of an iteration, by the music alone [s]."""
-    return np.array([step.beat * brief.beat_s for step in brief.steps])
+    start_s = brief.iteration_start_s[iteration]
+    return np.array([brief.time_s(iteration, step.beat) - start_s for step in brief.steps])
 
 
 class History:
@@ -34,11 +35,10 @@ class History:
     def __init__(self, brief: Brief, epsilon_s: float) -> None:
         self._brief = brief
         self._epsilon_s = epsilon_s
-        self._nominal = nominal_times(brief)
         self._events: dict[int, dict[str, list[tuple[float, Kind]]]] = defaultdict(
             lambda: {person: [] for person in brief.cast}
         )
-        self.schedule = self._nominal.copy()
+        self.schedule = nominal_times(brief, 0)
         """(K,) the last schedule, after beat 0 [s]; nominal beats until an iteration has been learnt."""
 
     def add(self, event: Event) -> None:
@@ -57,9 +57,9 @@ class History:
 
     def times(self, iteration: int) -> Array:
         """(D, K) time of each step by each member of the cast, after beat 0 [s], NaN where missing."""
+        nominal = nominal_times(self._brief, iteration)
         rows = [
-            occurrences(times, kinds, self._brief.steps, self._nominal)
-            for times, kinds in self.series(iteration).values()
+            occurrences(times, kinds, self._brief.steps, nominal) for times, kinds in self.series(iteration).values()
         ]
         return np.array(rows)
 

@@ -156,7 +156,7 @@ class Learned:
 
     def _step(self, iteration: int, move: Move, t_s: float) -> tuple[int, int]:
         """The iteration's step of this move that is nearest in time."""
-        beat = (t_s - self._brief.iteration_start_s[iteration]) / self._brief.beat_s
+        beat = self._brief.beat(iteration, t_s)
         own = [step for step in self._brief.steps if _MOVE[step.kind] is move]
         if not own:
             return -1, -1

@@ -9,12 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from ..answers import Step
-from ..errors import ConfigError
-from ..types import (
-    Array,
-    Kind,
-    Move,
-)
+from ..tempo import TempoMap
+from ..types import Kind, Move
 
 MOVE_EVENTS = {
     Move.FORWARD: (Kind.START_FORWARD, Kind.STOP_FORWARD),
@@ -23,36 +19,6 @@ MOVE_EVENTS = {
     Move.TURN: (),
 }
 """The events that each move of a dancer gives rise to; a dancer's turn follows the clap and is no event of its own."""
-
-
-@dataclass(frozen=True, slots=True)
-class TempoMap:
-    """When each beat of the music falls: straight lines through (beat, time) points.
-
-    Attributes:
-        beats: (N,) rising beats, N >= 2.
-        times_s: (N,) rising times [s]; beyond both ends the outermost tempo goes on.
-    """
-
-    beats: tuple[float, ...]
-    times_s: tuple[float, ...]
-
-    @classmethod
-    def steady(cls, bpm: float) -> TempoMap:
-        """A constant tempo, beat 0 at time 0."""
-        return cls((0.0, 1.0), (0.0, 60.0 / bpm))
-
-    def __post_init__(self) -> None:
-        rising = len(self.beats) == len(self.times_s) >= 2
-        if not rising or min(np.diff(self.beats)) <= 0 or min(np.diff(self.times_s)) <= 0:
-            raise ConfigError("tempo", (self.beats, self.times_s), "two or more points, rising in beat and time")
-
-    def time_s(self, beat: float | Array) -> Array:
-        """Time of one or many beats since beat 0 of the song [s]."""
-        beats, times = np.asarray(self.beats), np.asarray(self.times_s)
-        segment = np.clip(np.searchsorted(beats, beat, side="right") - 1, 0, len(beats) - 2)
-        slope = np.diff(times)[segment] / np.diff(beats)[segment]
-        return np.asarray(times[segment] + (np.asarray(beat) - beats[segment]) * slope)
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +86,7 @@ class Timetable:
     def time_s(self, iteration: int, beat: float) -> float:
         """Session time of a beat of an iteration [s]."""
         song_beat = (iteration - self.first) * self.choreography.iteration_beats + beat
-        return self.lead_in_s + float(self.tempo.time_s(song_beat))
+        return self.lead_in_s + self.tempo.time_s(song_beat)
 
     def start_s(self, iteration: int) -> float:
         """Session time of an iteration's beat 0 [s]."""

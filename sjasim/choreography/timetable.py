@@ -5,7 +5,8 @@ from __future__ import annotations
 from ..config import SessionConfig
 from ..errors import PluginError
 from ..registry import resolve
-from .score import Choreography, TempoMap, Timetable
+from ..tempo import TempoMap
+from .score import Choreography, Timetable
 
 
 def timetable(config: SessionConfig) -> Timetable:
@@ -18,5 +19,6 @@ def timetable(config: SessionConfig) -> Timetable:
     dance = resolve("choreography", config.dance.name).factory()
     if not isinstance(dance, Choreography):
         raise PluginError(f"choreography {config.dance.name!r} made {type(dance).__name__}, not a Choreography")
-    first = 0 if config.dance.rehearsal else 1
-    return Timetable(dance, TempoMap.steady(config.dance.bpm), config.dance.lead_in_s, first, config.iterations)
+    own = config.dance
+    tempo = TempoMap.changing(own.bpm, own.tempo, own.pauses)
+    return Timetable(dance, tempo, own.lead_in_s, 0 if own.rehearsal else 1, config.iterations)

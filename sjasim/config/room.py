@@ -47,6 +47,10 @@ class DanceConfig:
     Attributes:
         name: a registered choreography or module:function.
         bpm: tempo of the music (iqbal2016: 118).
+        tempo: how the tempo changes: beat of the song and factor of ``bpm`` from there on, changing evenly from each
+            to the next; a factor that rises is an accelerando, one that falls a ritardando. Beat 0 is the song's
+            first, the rehearsal's if there is one.
+        pauses: beat of the song and seconds of silence before it.
         lead_in_s: silence before the music; clocks synchronise meanwhile.
         tail_s: how long the session goes on after the last beat.
         rehearsal: whether one humans-only iteration precedes the dance, as the methods' history.
@@ -54,12 +58,21 @@ class DanceConfig:
 
     name: str = "paper"
     bpm: float = 118.0
+    tempo: tuple[tuple[float, float], ...] = ()
+    pauses: tuple[tuple[float, float], ...] = ()
     lead_in_s: float = 4.0
     tail_s: float = 1.0
     rehearsal: bool = True
 
     def __post_init__(self) -> None:
         within("dance.bpm", self.bpm, 40.0, 220.0)
+        for name, points, low, high in (("tempo", self.tempo, 0.5, 2.0), ("pauses", self.pauses, 0.0, 60.0)):
+            for beat, value in points:
+                within(f"dance.{name}", beat, 0.0, 1e4)
+                within(f"dance.{name}", value, low, high)
+            beats = [beat for beat, _ in points]
+            if sorted(set(beats)) != beats:
+                raise ConfigError(f"dance.{name}", points, "pairs whose beats rise")
         within("dance.lead_in_s", self.lead_in_s, 1.0, 60.0)
         within("dance.tail_s", self.tail_s, 0.0, 60.0)
 
@@ -99,14 +112,14 @@ class StageConfig:
     """Physics.
 
     Attributes:
-        rate_hz: physics steps per second; a multiple of the 30 Hz frame rate.
+        rate_hz: physics steps per second; 150 is a multiple of cameras', odometry's and balance's rates.
         balance_hz: rate of the balance controller and the joint targets.
         truth_hz: rate at which the true state is logged.
     """
 
-    rate_hz: int = 240
-    balance_hz: int = 60
-    truth_hz: int = 60
+    rate_hz: int = 150
+    balance_hz: int = 50
+    truth_hz: int = 50
 
     def __post_init__(self) -> None:
         within("stage.rate_hz", self.rate_hz, 120, 2000)

@@ -16,8 +16,9 @@ from .reference import Reference
 
 STEP_S = 0.50
 """Usual time from one step to the next [s]: about a beat at 118 BPM."""
-LEAD_S = 0.20
-"""A walk's first step begins so long before the start event [s]."""
+LEAD_S = 0.30
+"""A walk's first step begins so long before the start event [s]; then no foot leaves the floor, which shows in the
+pelvis as a ripple, while the speed passes its onset."""
 TRAIL_S = 0.12
 """A walk's last step ends so long after the stop event [s]."""
 SUPPORT_SHARE = 0.22

@@ -41,9 +41,9 @@ class JointsSensing:
     """One sensor's skeletons of everybody on the stage, from the truth.
 
     A joint is *visible* if it lies in the field of view and range and the ray to it meets nothing before it but
-    its own dancer's flesh. Visible joints are tracked (a moment after they come back: see `sight.SETTLED_FACTOR`), others
-    inferred while some of the torso is visible; out of view, or with the torso hidden too, a joint is not tracked
-    and its position is NaN. Left and right are never confused, which a real sensor does behind a person's back.
+    its own dancer's flesh. Visible joints are tracked (a moment after they come back: see `sight.SETTLED_FACTOR`),
+    others inferred while some of the torso is visible; out of view, or with the torso hidden too, a joint is not
+    tracked and its position is NaN. Left and right are never confused, which a real sensor does behind a person's back.
 
     Errors are the sensor's own: a constant bias per person and joint, and a drift that follows a first-order
     autoregression over elapsed frames, also those that were lost or not taken; both times a factor that moves

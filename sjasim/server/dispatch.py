@@ -243,10 +243,9 @@ class Dispatcher:
     def _nearest(self, t_s: float, move: Move) -> Key:
         """The step nearest in time whose move this is; for a move that no step has, any step."""
         own = [step for step in self._brief.steps if MOVES[step.kind] is move] or self._brief.steps
-        starts = self._brief.iteration_start_s
         return min(
             ((iteration, step.ordinal) for iteration in range(1, self._brief.iterations + 1) for step in own),
-            key=lambda key: abs(starts[key[0]] + self._steps[key[1]].beat * self._brief.beat_s - t_s),
+            key=lambda key: abs(self._timetable.time_s(key[0], self._steps[key[1]].beat) - t_s),
         )
 
     def _speed_m_s(self, key: Key, move: Move) -> float:
@@ -270,15 +269,17 @@ class Dispatcher:
             return float(self._timetable.heading_rad(iteration + 1))
         heading = float(self._timetable.heading_rad(iteration))
         step = self._steps.get(ordinal + 1 if move is Move.STOP else ordinal)
-        return heading if step is None else heading + self._steer_rad(heading, MOVES[step.kind], step.ordinal)
+        return (
+            heading if step is None else heading + self._steer_rad(heading, MOVES[step.kind], (iteration, step.ordinal))
+        )
 
-    def _steer_rad(self, heading: float, move: Move, ordinal: int) -> float:
+    def _steer_rad(self, heading: float, move: Move, key: Key) -> float:
         """How far a move is turned off the iteration's heading, so that it also leads back beside the slot."""
         if move not in (Move.FORWARD, Move.BACKWARD) or self._state is None:
             return 0.0
         x, y = self._state.x_m - self._slot[0], self._state.y_m - self._slot[1]
         aside = y * math.cos(heading) - x * math.sin(heading)
-        way = self._robot.cruise_m_s * self._nominal_s(ordinal)
+        way = self._robot.cruise_m_s * self._nominal_s(key)
         steer = min(max(STEER * aside / way, -STEER_MAX_RAD), STEER_MAX_RAD)
         return steer if move is Move.BACKWARD else -steer
 
@@ -286,7 +287,7 @@ class Dispatcher:
         """The command again; at a crawl once its move is past its end, and with speed 0 far past it."""
         ahead = self._ahead_m(command.iteration)
         if command.move is Move.FORWARD:
-            past = ahead - self._robot.cruise_m_s * self._nominal_s(command.ordinal)
+            past = ahead - self._robot.cruise_m_s * self._nominal_s((command.iteration, command.ordinal))
         elif command.move is Move.BACKWARD:
             past = -ahead
         else:
@@ -305,15 +306,19 @@ class Dispatcher:
         speed = state.step_m * self._robot.odometry_hz
         return ahead + speed * abs(speed) / (2.0 * self._robot.acceleration_m_s2)
 
-    def _nominal_s(self, ordinal: int) -> float:
+    def _nominal_s(self, key: Key) -> float:
         """Time from a step to the next one by the score."""
+        iteration, ordinal = key
         then = self._steps.get(ordinal + 1)
-        return (then.beat - self._steps[ordinal].beat) * self._brief.beat_s if then is not None else SHORTEST_S
+        if then is None:
+            return SHORTEST_S
+        table = self._timetable
+        return table.time_s(iteration, then.beat) - table.time_s(iteration, self._steps[ordinal].beat)
 
     def _duration_s(self, key: Key) -> float:
         """Expected time from this step's command to the next one's: the median of the score's and what it took."""
         iteration, ordinal = key
-        nominal = self._nominal_s(ordinal)
+        nominal = self._nominal_s(key)
         spans = [nominal]
         for before in range(1, iteration):
             start, stop = self._sent_s.get((before, ordinal)), self._sent_s.get((before, ordinal + 1))

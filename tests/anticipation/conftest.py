@@ -8,7 +8,8 @@ import pytest
 from sjasim.answers import Brief, Intention
 from sjasim.anticipation.method import build
 from sjasim.choreography.paper import paper
-from sjasim.choreography.score import TempoMap, Timetable
+from sjasim.choreography.score import Timetable
+from sjasim.tempo import TempoMap
 from sjasim.types import (
     Event,
     Kind,

@@ -11,7 +11,7 @@ import pytest
 from .source import Import, Module, imports, modules, skin
 
 LEVELS = {
-    **dict.fromkeys(("types", "answers", "logs", "errors"), 0),
+    **dict.fromkeys(("types", "tempo", "answers", "logs", "errors"), 0),
     **dict.fromkeys(("registry", "clock", "link", "rays"), 1),
     **dict.fromkeys(("config", "config_io"), 2),
     **dict.fromkeys(("choreography", "assets"), 3),
@@ -24,7 +24,8 @@ LEVELS = {
 TOP = 7
 
 SAME_LEVEL = {
-    ("errors", "types"), ("types", "errors"), ("logs", "types"), ("answers", "types"),
+    ("errors", "types"), ("types", "errors"), ("logs", "types"), ("tempo", "errors"), ("answers", "types"),
+    ("answers", "tempo"),
     ("config_io", "config"),
     ("choreography", "assets"),
     ("render", "stage"), ("window", "render"), ("window", "stage"),
@@ -111,7 +112,7 @@ def test_foundation_stands_on_numpy_alone():
     outside = {
         (module.name, item.target.partition(".")[0])
         for module in modules()
-        if module.room in ("types", "answers", "logs", "errors")
+        if module.room in ("types", "tempo", "answers", "logs", "errors")
         for item in imports(module)
         if not item.inside and item.target.partition(".")[0] not in {*sys.stdlib_module_names, "numpy"}
     }

@@ -7,9 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sjasim.choreography.score import MOVE_EVENTS, TempoMap, Timetable
+from sjasim.choreography.score import MOVE_EVENTS, Timetable
 from sjasim.humans.timing import SHORTEST_HOLD_S, SHORTEST_MOVE_S
 from sjasim.registry import names, resolve
+from sjasim.tempo import TempoMap
 from sjasim.types import Kind, Move
 
 from ..humans.dancing import builds, paper_floor

@@ -2,14 +2,14 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from sjasim.choreography.paper import paper
-from sjasim.choreography.score import TempoMap, Timetable
+from sjasim.choreography.score import Timetable
 from sjasim.choreography.timetable import timetable
 from sjasim.config import DanceConfig, SessionConfig
 from sjasim.errors import ConfigError, PluginError, UnknownNameError
+from sjasim.tempo import TempoMap
 
 BEAT_S = 60 / 118
 
@@ -31,24 +31,6 @@ def test_the_papers_dance_has_nine_events_in_order():
 def test_a_turn_shares_its_claps_ordinal():
     dance = paper()
     assert [dance.first_ordinal(k) for k in range(6)] == [0, 2, 4, 6, 8, 8]
-
-
-def test_a_steady_tempo():
-    assert TempoMap.steady(118).time_s(4.0) == pytest.approx(4 * BEAT_S)
-    assert np.allclose(TempoMap.steady(60).time_s(np.array([-1.0, 0.5, 100.0])), [-1.0, 0.5, 100.0])
-
-
-def test_a_bent_tempo_goes_through_its_points_and_on():
-    bent = TempoMap((0.0, 4.0, 8.0), (0.0, 2.0, 6.0))
-    assert [float(bent.time_s(beat)) for beat in (-2, 0, 2, 4, 6, 8, 10)] == [-1, 0, 1, 2, 4, 6, 8]
-
-
-@pytest.mark.parametrize(
-    "points", [((0.0,), (0.0,)), ((0.0, 0.0), (0.0, 1.0)), ((0.0, 1.0), (1.0, 0.5)), ((0.0, 1.0), (0.0,))]
-)
-def test_a_tempo_must_rise(points):
-    with pytest.raises(ConfigError, match="tempo"):
-        TempoMap(*points)
 
 
 def test_iterations_follow_each_other_and_windows_divide_time(table):
@@ -78,3 +60,26 @@ def test_dances_are_plug_ins():
         timetable(SessionConfig(dance=DanceConfig(name="tango")))
     with pytest.raises(PluginError, match="not a Choreography"):
         timetable(SessionConfig(dance=DanceConfig(name="builtins:dict")))
+
+
+def test_a_changing_tempo_and_a_pause_bend_the_timetable():
+    table = timetable(SessionConfig(dance=DanceConfig(tempo=((80.0, 1.0), (120.0, 1.25)), pauses=((48.0, 2.0),))))
+    assert table.time_s(1, 4.0) - table.start_s(1) == pytest.approx(4 * BEAT_S)
+    assert table.time_s(1, 8.0) - table.time_s(1, 4.0) == pytest.approx(4 * BEAT_S + 2.0)
+    assert table.start_s(4) - table.start_s(3) == pytest.approx(40 * BEAT_S / 1.25)
+    assert 40 * BEAT_S / 1.25 < table.start_s(3) - table.start_s(2) < 40 * BEAT_S
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "allowed"),
+    [
+        ("tempo", ((0.0, 3.0),), "0.5 to 2"),
+        ("tempo", ((-1.0, 1.0),), "0 to"),
+        ("tempo", ((8.0, 1.0), (4.0, 1.2)), "beats rise"),
+        ("pauses", ((8.0, -1.0),), "0 to 60"),
+        ("pauses", ((8.0, 1.0), (8.0, 1.0)), "beats rise"),
+    ],
+)
+def test_an_impossible_tempo_is_refused(field, value, allowed):
+    with pytest.raises(ConfigError, match=rf"dance\.{field}.*{allowed}"):
+        DanceConfig(**{field: value})

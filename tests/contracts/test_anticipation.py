@@ -10,8 +10,9 @@ from sjasim import registry
 from sjasim.answers import Brief, Intention, Wake, Withdrawal
 from sjasim.anticipation.method import Method, build
 from sjasim.choreography.paper import paper
-from sjasim.choreography.score import TempoMap, Timetable
+from sjasim.choreography.score import Timetable
 from sjasim.errors import ConfigError, PluginError, UnknownNameError
+from sjasim.tempo import TempoMap
 from sjasim.types import (
     Event,
     Kind,

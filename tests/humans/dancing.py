@@ -9,7 +9,7 @@ import numpy as np
 
 from sjasim.analysis.onsets import claps, moves
 from sjasim.choreography.layout import layout
-from sjasim.choreography.score import MOVE_EVENTS, Choreography, TempoMap, Timetable
+from sjasim.choreography.score import MOVE_EVENTS, Choreography, Timetable
 from sjasim.config import BodyConfig, RobotConfig, RoomConfig, SensorConfig, StageConfig
 from sjasim.humans.anatomy import Anatomy, Build, anatomy
 from sjasim.humans.balance import Balance, BalanceGains
@@ -17,9 +17,11 @@ from sjasim.humans.motion import Planner
 from sjasim.humans.reference import Reference
 from sjasim.registry import resolve
 from sjasim.stage import Stage
+from sjasim.tempo import TempoMap
 from sjasim.types import Array, Cue, Kind, Move, dancer_name
 
-HZ = 60
+HZ = StageConfig().balance_hz
+TICKS = StageConfig().rate_hz // HZ
 NORTH = np.pi / 2
 
 
@@ -94,7 +96,7 @@ class Floor:
         last = self.ticks if seconds is None else self.tick + round(seconds * HZ)
         for tick in range(self.tick, last):
             self.stage.apply(self.balance.targets(tick, self.stage.states()))
-            self.stage.step_to((tick + 1) * 4)
+            self.stage.step_to((tick + 1) * TICKS)
             self.stage.feel()
             states = self.stage.states()
             gaps = np.linalg.norm(states.hands[:, 0] - states.hands[:, 1], axis=1)

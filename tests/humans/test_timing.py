@@ -9,11 +9,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from sjasim.choreography.score import TempoMap, Timetable
+from sjasim.choreography.score import Timetable
 from sjasim.clock import stream
 from sjasim.errors import ConfigError
 from sjasim.humans.parameters import TimingParameters, preset, preset_names
 from sjasim.humans.timing import SHORTEST_HOLD_S, SHORTEST_MOVE_S, SOONEST_S, EnsembleTiming
+from sjasim.tempo import TempoMap
 from sjasim.types import Kind, Move
 
 from .dancing import dance

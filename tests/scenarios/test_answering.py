@@ -7,9 +7,10 @@ from sjasim.answers import Brief
 from sjasim.anticipation.method import build
 from sjasim.choreography.layout import layout
 from sjasim.choreography.paper import paper
-from sjasim.choreography.score import TempoMap, Timetable
+from sjasim.choreography.score import Timetable
 from sjasim.config import SessionConfig
 from sjasim.server import Dispatcher
+from sjasim.tempo import TempoMap
 from sjasim.types import (
     Event,
     Kind,

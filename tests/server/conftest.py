@@ -9,10 +9,11 @@ import pytest
 from sjasim.assets.names import CARDINALS
 from sjasim.choreography.layout import layout
 from sjasim.choreography.paper import paper
-from sjasim.choreography.score import TempoMap, Timetable
+from sjasim.choreography.score import Timetable
 from sjasim.clock import DeviceClock
 from sjasim.config import SessionConfig
 from sjasim.server import Server
+from sjasim.tempo import TempoMap
 from sjasim.types import ClientOrder, ClientStatus, DeviceEvent, Kind, PersonStatus, SyncReply, SyncRequest
 
 CONFIG = SessionConfig()
