@@ -10,7 +10,6 @@ import numpy as np
 from numba import njit
 
 from .assets.names import (
-    ACTUATED,
     FLOOR_BIT,
     JOINT_INDEX,
     JOINTS,
@@ -24,8 +23,8 @@ from .clock import Ticks
 from .config import BodyConfig, RobotConfig, StageConfig
 from .errors import SjasimError
 from .humans.anatomy import Anatomy
-from .humans.body import dancer_spec
-from .rays import hidden
+from .humans.body import BodyModel, body_model
+from .rays.hiding import hidden
 from .robot.body import robot_spec
 from .types import Array, BoolArray, DancerStates, Geoms, IntArray, JointTargets, Servos, WheelCommand, WheelReading
 
@@ -49,7 +48,7 @@ def stage_spec(
         conaffinity=0, friction=[1.0, 0.005, 0.0001],
     )  # fmt: skip
     for index, anatomy in enumerate(anatomies):
-        child = dancer_spec(anatomy, index, len(anatomies), body)
+        child = body_model(body.model).spec(anatomy, index, len(anatomies), body)
         spec.attach(child, prefix=dancer_prefix(index), frame=spec.worldbody.add_frame())
     if robot is not None:
         frame = spec.worldbody.add_frame(pos=[*layout.robot, 0.0])
@@ -122,6 +121,7 @@ class Stage:
         body: BodyConfig,
         robot: RobotConfig | None,
     ) -> None:
+        self._body: BodyModel = body_model(body.model)
         self.model = stage_spec(anatomies, layout, body, robot, config.rate_hz).compile()
         self.data = mujoco.MjData(self.model)
         self.ticks = Ticks(config.rate_hz)
@@ -131,6 +131,7 @@ class Stage:
             d.actuator_force, d.sensordata, d.subtree_com, d.subtree_linvel,
         )  # fmt: skip
         self._xpos, self._xmat, self._lifts = d.xpos, d.xmat, d.qfrc_constraint
+        self._warning = d.warning[mujoco.mjtWarning.mjWARN_BADQACC]
         self._joints: Array = np.empty(0)
         self._joints_tick = -1
         self.tick = 0
@@ -149,11 +150,13 @@ class Stage:
         prefixes = [dancer_prefix(index) for index in range(dancers)]
         self._pelvis = np.array([m.body(f"{p}pelvis").id for p in prefixes])
         self._sites = np.array([[m.site(p + joint).id for joint in JOINTS] for p in prefixes])
-        self._hinges = np.array([[m.joint(p + name).qposadr[0] for name in ACTUATED] for p in prefixes])
+        hinges, leading = self._body.hinges, self._body.leading
+        self._hinges = np.array([[m.joint(p + name).qposadr[0] for name in hinges] for p in prefixes])
         self._root = np.array([[m.joint(p + name).qposadr[0] for name in ROOT_JOINTS] for p in prefixes])
         root_dof = np.array([[m.joint(p + name).dofadr[0] for name in ROOT_JOINTS] for p in prefixes])
-        self._servo = np.array([[m.actuator(p + name).id for name in ACTUATED] for p in prefixes])
-        self._stiffness = m.actuator_gainprm[self._servo, 0]
+        self._servo = np.array([[m.actuator(p + name).id for name in hinges] for p in prefixes])
+        self._leading = np.array([[m.actuator(p + name).id for name in leading] for p in prefixes])
+        self._stiffness = m.actuator_gainprm[self._leading, 0]
         pulls = [[m.actuator(p + name).id for name in TETHERED] for p in prefixes] if tethered else []
         self._tether: IntArray = np.array(pulls, dtype=np.int64).reshape(-1, 5)
         self._tethered = tethered
@@ -184,19 +187,19 @@ class Stage:
         root = np.zeros((len(self._pelvis), 5))
         if self._tethered:
             root = -bias[self._tether, 2] / gain[self._tether, 0]
-        return -bias[self._servo, 2] / self._stiffness, root
+        return -bias[self._leading, 2] / self._stiffness, root
 
     def _place(self, headings_rad: tuple[float, float], postures: Array, pelvises: Array) -> None:
         d = self.data
         heading_rad, robot_rad = headings_rad
-        d.qpos[self._hinges] = postures
+        d.qpos[self._hinges] = self._body.angles(postures)
         d.qpos[self._root[:, :3]] = pelvises
         d.qpos[self._root[:, 3]] = heading_rad
         if self.has_robot:
             address = self.model.joint(f"{ROBOT_PREFIX}root").qposadr[0]
             half = robot_rad / 2
             d.qpos[address + 3 : address + 7] = [np.cos(half), 0.0, 0.0, np.sin(half)]
-        d.ctrl[self._servo] = postures
+        d.ctrl[self._servo] = d.qpos[self._hinges]
         if self._tethered:
             d.ctrl[self._tether[:, :2]] = pelvises[:, :2]
             d.ctrl[self._tether[:, 2]] = heading_rad
@@ -211,7 +214,7 @@ class Stage:
             robot: its position and heading [m, m, rad]; None leaves it where it is.
         """
         d = self.data
-        d.qpos[self._hinges] = joints
+        d.qpos[self._hinges] = self._body.angles(joints)
         d.qpos[self._root] = roots
         if robot is not None and self.has_robot:
             address = self.model.joint(f"{ROBOT_PREFIX}root").qposadr[0]
@@ -233,7 +236,7 @@ class Stage:
         Raises:
             SjasimError: the simulation became unstable.
         """
-        if self.data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:
+        if self._warning.number:
             raise SjasimError(f"the physics became unstable before {self.time_s:.2f} s")
 
     def states(self) -> DancerStates:
@@ -257,7 +260,7 @@ class Stage:
 
     def apply(self, targets: JointTargets) -> None:
         """Set the dancers' actuators; the stage keeps a copy."""
-        self._ctrl[self._servo] = targets.joints
+        self._ctrl[self._servo] = self._body.angles(targets.joints)
         if self._tethered:
             self._ctrl[self._tether] = targets.root
 
@@ -306,10 +309,9 @@ class Stage:
         )  # fmt: skip
         return out
 
-    @property
-    def heights_m(self) -> Array:
-        """(D,) heights of the pelvises [m]."""
-        return np.asarray(self._qpos.take(self._root[:, 2]))
+    def height_m(self, dancer: int) -> float:
+        """Height of a dancer's pelvis [m]."""
+        return float(self._qpos.item(self._root.item(dancer, 2)))
 
     def bumped(self) -> bool:
         """Whether the robot touches a dancer at this moment."""

@@ -17,8 +17,9 @@ from .choreography.layout import Layout
 from .choreography.score import Timetable
 from .clock import DeviceClock, Task, stream
 from .config import FaultConfig, SessionConfig
-from .humans.anatomy import Build, anatomy
+from .humans.anatomy import Build
 from .humans.balance import Balance
+from .humans.body import body_model
 from .humans.motion import Planner
 from .humans.reference import Reference
 from .humans.timing import SOONEST_S
@@ -124,7 +125,7 @@ class PhysicsWorld:
         self._faults = config.faults
         self._dance(config, timetable, layout, robot)
         self._equip(config, layout, robot)
-        self.ledger = Ledger(self.stage.servos.weight, self.end_s, config)
+        self.ledger = Ledger(self.stage.servos.weight, max(1, config.stage.balance_hz // config.stage.truth_hz))
         self._outbox: list[Outward] = []
         self._check_s = 0.0
         self._next_iteration = timetable.first
@@ -135,7 +136,7 @@ class PhysicsWorld:
         heading = timetable.heading_rad(timetable.first)
         rate = config.stage.balance_hz
         builds = [_person(config, index) for index in range(config.group)]
-        self._anatomies = [anatomy(build) for build in builds]
+        self._anatomies = [body_model(config.body.model).anatomy(build) for build in builds]
         reference = Reference.empty(config.group, math.ceil((self.end_s + 1.0) * rate) + 1)
         turn = timetable.choreography.turn_rad
         self._planners = [
@@ -150,8 +151,8 @@ class PhysicsWorld:
         self.balance = Balance(reference, omega, rate, self.stage.servos)
         self._timing = people(config, timetable)
         self._busy_s = np.zeros(config.group)
-        self._fallen = np.zeros(config.group, dtype=bool)
-        self._fall_m = FALLEN_SHARE * np.array([body.standing_m for body in self._anatomies])
+        self._fallen = [False] * config.group
+        self._fall_m = [FALLEN_SHARE * body.standing_m for body in self._anatomies]
 
     def _equip(self, config: SessionConfig, layout: Layout, robot: bool) -> None:
         ticks = self.stage.ticks
@@ -289,14 +290,12 @@ class PhysicsWorld:
         """Now and then: is the physics sound, has anybody fallen?"""
         self._check_s = now + CHECK_S
         self.stage.check()
-        down = (self.stage.heights_m < self._fall_m) & ~self._fallen
-        if not down.any():
-            return
-        self._fallen |= down
-        for index in np.flatnonzero(down):
-            self.stage.let_go(int(index))
-            self.ledger.fall(now, int(index))
-            self.notices.append(Notice(now, dancer_name(int(index)), "fell and dances no more"))
+        for index, limit_m in enumerate(self._fall_m):
+            if self.stage.height_m(index) < limit_m and not self._fallen[index]:
+                self._fallen[index] = True
+                self.stage.let_go(index)
+                self.ledger.fall(now, index)
+                self.notices.append(Notice(now, dancer_name(index), "fell and dances no more"))
 
     def plan(self) -> None:
         """Ask everybody what they decide to do next, and plan their motion; people know it some beats ahead."""

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from sjasim.assets.names import JOINT_INDEX
-from sjasim.config import SessionConfig
+from sjasim.choreography.layout import Mount
 from sjasim.ledger import ODOMETRY_COLUMNS, TRUTH_COLUMNS, Ledger
-from sjasim.types import DancerStates, RobotState
+from sjasim.types import DancerStates, RobotState, Skeletons
 
 WEIGHTS = np.array([700.0, 650.0])
 
@@ -23,7 +23,7 @@ def states():
 
 @pytest.fixture
 def ledger():
-    ledger = Ledger(WEIGHTS, 1.0, SessionConfig())
+    ledger = Ledger(WEIGHTS, 1)
     seen = np.zeros((2, 25), dtype=bool)
     seen[0, JOINT_INDEX["SpineBase"]] = True  # row 0 is the second dancer
     for tick in range(10):
@@ -32,7 +32,7 @@ def ledger():
         if tick == 6:
             ledger.fall(tick / 60, 1)
         if tick == 8:
-            ledger.see(np.zeros((2, 25, 3)), None, None)
+            ledger.see(np.zeros((2, 25, 3)), None, np.array([1, 0]))
         ledger.write(tick / 60, states())
     return ledger
 
@@ -66,8 +66,14 @@ def test_odometry_and_joints_are_kept_as_given(ledger):
     assert ledger.joints()[0].max() == 1.5
 
 
-def test_what_does_not_fit_is_let_go():
-    ledger = Ledger(WEIGHTS, 0.1, SessionConfig())
-    for _ in range(21):
-        ledger.write(0.0, states())
-    assert len(ledger.truth()["t_s"]) <= 2 * (6 + 2)
+def test_estimates_are_in_the_world_and_belong_to_the_dancers_behind_them():
+    ledger = Ledger(WEIGHTS, 1)
+    mount = Mount("north", np.array([0.0, 3.0, 0.9]), np.diag([-1.0, 1.0, -1.0]))
+    local, state = np.ones((2, 25, 3)), np.full((2, 25), 2, dtype=np.int8)
+    ledger.see(np.zeros((2, 25, 3)), None, np.array([0, 1]))
+    ledger.estimate(Skeletons(np.arange(2), local, state), np.array([1, -1]), mount)
+    ledger.see(np.zeros((2, 25, 3)), None, np.array([0, 1]))
+    out = ledger.skeletons()
+    assert np.isnan(out[0]).all()
+    assert np.isnan(out[1, 0]).all()
+    assert out[1, 1, 7].tolist() == pytest.approx([-1.0, 4.0, -0.1, 2.0])

@@ -82,6 +82,7 @@ class BodyConfig:
     """The dancers' builds and the tether.
 
     Attributes:
+        model: ``sjasim`` (our own), ``cmu`` (dm_control's CMU humanoid; needs dm-control) or module:Class.
         stature_m: lowest and highest stature to draw from.
         mass_kg: lowest and highest mass to draw from.
         tether: ``weak`` (saturating) or ``none``.
@@ -89,6 +90,7 @@ class BodyConfig:
         tether_torque_nm: most torque of the tether, each axis.
     """
 
+    model: str = "sjasim"
     stature_m: tuple[float, float] = (1.60, 1.85)
     mass_kg: tuple[float, float] = (58.0, 88.0)
     tether: str = "weak"

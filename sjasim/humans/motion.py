@@ -89,7 +89,7 @@ class Planner:
     ) -> None:
         self._anatomy = anatomy
         self._chains = anatomy.chains()
-        self._poses = arms.arm_poses()
+        self._poses = arms.arm_poses(anatomy.model)
         self._slot: Array = np.asarray(slot, dtype=np.float64)
         self._move_m, self._turn_rad = move_m, turn_rad
         self._dt = 1.0 / rate_hz

@@ -103,6 +103,7 @@ class JointsSensing:
         self._t_s = t_s
         if frames != self._frames:
             self._pace(frames)
+        self.visible = np.empty(self._shape, dtype=bool)
         joints = np.empty((*self._shape, 3))
         state = np.empty(self._shape, dtype=np.int8)
         observe(truth, self.dancers, hidden, self._eye, noise, self._errors, self.visible, joints, state)
