@@ -7,6 +7,7 @@ each on its own rate. A world emits messages and takes messages; links and serve
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Protocol, cast
 
@@ -20,7 +21,7 @@ from .config import FaultConfig, SessionConfig
 from .humans.anatomy import Build
 from .humans.balance import Balance
 from .humans.body import body_model
-from .humans.motion import Planner
+from .humans.motion import PREVIEW_S, Planner
 from .humans.reference import Reference
 from .humans.timing import SOONEST_S
 from .ledger import Ledger
@@ -151,6 +152,8 @@ class PhysicsWorld:
         self.balance = Balance(reference, omega, rate, self.stage.servos)
         self._timing = people(config, timetable)
         self._busy_s = np.zeros(config.group)
+        self._decided: list[deque[Cue]] = [deque() for _ in range(config.group)]
+        self._set_out_s = 0.0
         self._fallen = np.zeros(config.group, dtype=bool)
         self._fall_m = FALLEN_SHARE * np.array([body.standing_m for body in self._anatomies])
 
@@ -284,6 +287,8 @@ class PhysicsWorld:
     def _move(self, now: float) -> None:
         if now >= self._plan_s:
             self.plan()
+        if now >= self._set_out_s:
+            self.set_out(now)
         states = self.stage.states()
         self.stage.apply(self.balance.targets(round(now * self._config.stage.balance_hz), states))
         self.ledger.write(now, states.root, self.stage, self._fallen)
@@ -310,13 +315,24 @@ class PhysicsWorld:
             if self._fallen[index] or not cues:
                 continue
             performed = _with_faults(cues, self._faults)
-            self._planners[index].extend(performed, now)
+            self._decided[index].extend(performed)
             self.cues.extend(performed)
             if performed:
                 self._busy_s[index] = max(cue.t_s + cue.duration_s for cue in performed) + REST_S
         self.cues.sort(key=lambda cue: (cue.iteration, cue.t_s))
         due_s = self._timing.next_due_s
         self._plan_s = due_s if due_s < math.inf else self._begin_s
+        self._set_out_s = now
+
+    def set_out(self, now: float) -> None:
+        """Plan everybody's next move as late as it may be planned, and so from where they stand by then."""
+        ahead_s = now + PREVIEW_S
+        for planner, decided, fallen in zip(self._planners, self._decided, self._fallen, strict=True):
+            while decided and decided[0].t_s <= ahead_s:
+                cue = decided.popleft()
+                if not fallen:
+                    planner.extend([cue], now)
+        self._set_out_s = min((decided[0].t_s for decided in self._decided if decided), default=math.inf) - PREVIEW_S
 
     def _begin(self, now: float) -> None:
         """Begin the next iteration; the one after it begins when this one's window has closed."""

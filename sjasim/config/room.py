@@ -85,7 +85,7 @@ class BodyConfig:
         model: ``sjasim`` (our own), ``cmu`` (dm_control's CMU humanoid; needs dm-control) or module:Class.
         stature_m: lowest and highest stature to draw from.
         mass_kg: lowest and highest mass to draw from.
-        tether: ``weak`` (saturating) or ``none``.
+        tether: ``weak`` (saturating) or ``none`` (balance alone; physics and balance then run at 240 Hz by default).
         tether_force_n: most horizontal force of the tether, each axis.
         tether_torque_nm: most torque of the tether, each axis.
     """

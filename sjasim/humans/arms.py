@@ -24,7 +24,7 @@ RAISE_S, CLOSE_S, HOLD_S, LOWER_S = 0.45, 0.26, 0.10, 0.50
 """A clap's parts [s]: hands up, hands together, hands held, hands down."""
 PRESS = 0.0034
 """How far the closing hands aim past their contact, as a share of stature."""
-MEET_S = 0.035
+MEET_S = 0.040
 """The palms touch so long before the closing motion would end [s]."""
 
 

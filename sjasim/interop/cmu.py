@@ -21,7 +21,7 @@ from ..assets.colours import dancer_colour
 from ..assets.names import ACTUATED, ACTUATED_INDEX, FLOOR_BIT, HAND_BIT, ROBOT_BIT, dancer_bit
 from ..config import BodyConfig
 from ..humans.anatomy import Anatomy, Build, Shape, anatomy
-from ..humans.body import GAINS, SKIN, TROUSERS, add_root, add_tether
+from ..humans.body import ANKLE_ARMATURE, GAINS, SKIN, TROUSERS, add_root, add_tether
 from ..registry import register
 from ..types import Array
 from .guard import explained
@@ -302,6 +302,8 @@ def _servo(spec: mujoco.MjSpec, hinge: str, build: Build) -> None:
     else:
         gains = next(value for part, value in OTHER_GAINS.items() if part in hinge)
     strength = build.mass_kg / 75.0 * (build.stature_m / 1.75) ** 2
+    if "foot" in hinge or "toes" in hinge:
+        spec.joint(hinge).armature = strength * ANKLE_ARMATURE
     servo = spec.add_actuator(name=hinge, target=hinge, trntype=mujoco.mjtTrn.mjTRN_JOINT)
     servo.set_to_position(kp=strength * gains[0], dampratio=1.0)
     servo.forcelimited, servo.forcerange = True, [-strength * gains[1], strength * gains[1]]

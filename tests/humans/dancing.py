@@ -55,6 +55,14 @@ def jittered(timetable: Timetable, iteration: int, dancer: int, rng: np.random.G
     return cues
 
 
+def at_rest(reference: Reference) -> Reference:
+    """One dancer's plan with the rows that are not planned yet filled as they are read: the last one, repeated."""
+    known = int(reference.until[0])
+    for name in ("joints", "pelvis", "yaw", "dcm", "weight", "ankles", "foot_yaw", "landing", "torque"):
+        getattr(reference, name)[known:] = getattr(reference, name)[known - 1]
+    return reference
+
+
 @dataclass
 class Floor:
     """A stage with planners and balance; the columns of ``truth`` have a row per control tick."""
@@ -121,6 +129,8 @@ class Floor:
 
     def pelvis_errors(self) -> Array:
         """(T, D) distance between planned and true pelvis on the floor [m]."""
+        for dancer in range(len(self.bodies)):
+            at_rest(self.reference.of(dancer))
         planned = self.reference.pelvis[:, 1 : len(self.times) + 1, :2].swapaxes(0, 1)
         return np.linalg.norm(self.column("roots")[:, :, :2] - planned, axis=2)
 

@@ -60,11 +60,7 @@ def test_its_joints_and_its_mass_go_where_the_plan_has_them(body, build, planned
     there = np.array([posed.data.site(name).xpos for name in JOINTS])
     chains = posed.tables.chains()
     assert np.allclose(there, joint_positions(chains, planned, np.array([1.0, 2.0, 0.9]), 0.7), atol=1e-6)
-    c = chains
-    offset = com_offsets(
-        planned[None], np.array([0.7]), c.parent, c.offset, c.mass, c.centre, c.hinge_segment, c.hinge_column,
-        c.hinge_axis, c.hinge_sign,
-    )[0]  # fmt: skip
+    offset = com_offsets(chains, planned[None], np.array([0.7]))[0]
     assert np.allclose(posed.data.subtree_com[1], np.array([1.0, 2.0, 0.9]) + offset, atol=1e-6)
 
 
