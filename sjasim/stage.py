@@ -300,7 +300,7 @@ class Stage:
         rotation = self._rotations[self._solid].reshape(-1, 3, 3)
         return Geoms(self._form, self._size, self._positions[self._solid], rotation, self._solid_owner)
 
-    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: float) -> BoolArray:
+    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: Array) -> BoolArray:
         """Which points (N, 3) something hides from an eye; see `types.StageView`."""
         out = np.empty(len(points), dtype=bool)
         hidden(

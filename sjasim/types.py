@@ -219,14 +219,14 @@ class StageView(Protocol):
         """Everything that can be seen, at this instant."""
         ...
 
-    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: float) -> BoolArray:
+    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: Array) -> BoolArray:
         """Which points something hides from an eye.
 
         Args:
             origin: (3,) the eye [m].
             points: (N, 3) world points [m].
             whose: (N,) index of the dancer that each point belongs to.
-            flesh_m: how deep under its own dancer's surface a point may lie and still be seen [m].
+            flesh_m: (N,) how deep under its own dancer's surface a point may lie and still be seen [m].
 
         Returns:
             (N,) True where a surface lies before the point.

@@ -17,8 +17,10 @@ from ..registry import register
 from ..types import Array, BoolArray, IntArray, Skeletons, StageView
 from .sight import BIAS, BLEND, DRIFT, ERRORS, FRESH, HIDDEN, KEPT, observe
 
-FLESH_M = 0.20
-"""A ray that first meets the joint's own dancer so close before the joint counts as reaching it (assumed)."""
+_LIMBS = ("Elbow", "Wrist", "Hand", "Thumb", "Knee", "Ankle", "Foot")
+FLESH_M = np.where([name.startswith(_LIMBS) for name in JOINTS], 0.13, 0.20)
+"""(25,) A ray that first meets the joint's own dancer so close before the joint counts as reaching it: a trunk is that
+thick, also seen from the side; a limb is not, and farther behind other flesh it is hidden by it (assumed)."""
 
 TORSO_BLEND_S = 0.5
 """Time constant with which an error grows or shrinks when a joint is hidden or seen again (assumed).
@@ -80,6 +82,7 @@ class JointsSensing:
         self._errors = errors.reshape(*self._shape, ERRORS)
         self._errors[:, :, HIDDEN] = np.where(self._arm, config.hidden_factor_hand, config.hidden_factor)
         self._owners = np.arange(group).repeat(len(JOINTS))
+        self._flesh = np.tile(FLESH_M, group)
         self._noises: list[Array] = []
         self._frames = 0
         self._t_s = -math.inf
@@ -96,7 +99,7 @@ class JointsSensing:
         if self._config.frame_loss and self._losses.random() < self._config.frame_loss:
             return None
         truth = view.joints_m
-        hidden = view.hidden(self._mount.position, truth.reshape(-1, 3), self._owners, FLESH_M)
+        hidden = view.hidden(self._mount.position, truth.reshape(-1, 3), self._owners, self._flesh)
         t_s = view.time_s
         noise = _NO_NOISE if math.isinf(self._t_s) else self._noise()
         frames = 1 if math.isinf(self._t_s) else max(1, round((t_s - self._t_s) * self._config.rate_hz))
