@@ -122,24 +122,40 @@ class JointTargets(NamedTuple):
 
 
 class DancerStates(NamedTuple):
-    """What the balance controller feels of every dancer at one tick.
+    """The state of every dancer at one tick: what the balance controller feels, and what is logged beside it.
 
     Attributes:
-        felt: (D, 24) centre of mass [m] and its velocity [m/s]; pelvis x, y, z [m], yaw, pitch (forward positive),
-            roll [rad], and their rates; left and right ankle [m].
+        rows: (D, 36) centre of mass [m] and its velocity [m/s]; pelvis x, y, z [m], yaw, pitch (forward positive),
+            roll [rad], and their rates; left and right ankle [m]; left and right hand [m]; the tether's force x, y [N]
+            and torque yaw, pitch, roll [Nm], 0 without one; what the floor carries [N].
     """
 
-    felt: Array
+    rows: Array
 
     @property
     def root(self) -> Array:
         """(D, 6) pelvis x, y, z [m], yaw, pitch, roll [rad]."""
-        return self.felt[:, 6:12]
+        return self.rows[:, 6:12]
 
     @property
     def ankles(self) -> Array:
         """(D, 2, 3) left and right ankle [m]."""
-        return self.felt[:, 18:24].reshape(-1, 2, 3)
+        return self.rows[:, 18:24].reshape(-1, 2, 3)
+
+    @property
+    def hands(self) -> Array:
+        """(D, 2, 3) centres of the left and the right hand [m]."""
+        return self.rows[:, 24:30].reshape(-1, 2, 3)
+
+    @property
+    def tether(self) -> Array:
+        """(D, 5) force x, y [N] and torque yaw, pitch, roll [Nm]."""
+        return self.rows[:, 30:35]
+
+    @property
+    def load(self) -> Array:
+        """(D,) what the floor carries of each [N]; see `Stage.feel`."""
+        return self.rows[:, 35]
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,14 +219,14 @@ class StageView(Protocol):
         """Everything that can be seen, at this instant."""
         ...
 
-    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: float) -> BoolArray:
+    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: Array) -> BoolArray:
         """Which points something hides from an eye.
 
         Args:
             origin: (3,) the eye [m].
             points: (N, 3) world points [m].
             whose: (N,) index of the dancer that each point belongs to.
-            flesh_m: how deep under its own dancer's surface a point may lie and still be seen [m].
+            flesh_m: (N,) how deep under its own dancer's surface a point may lie and still be seen [m].
 
         Returns:
             (N,) True where a surface lies before the point.

@@ -28,7 +28,7 @@ def _distance(kind: int, size: Array, r: Array, x: float, y: float, z: float, d:
 
 @njit(cache=True)
 def hidden(
-    origin: Array, points: Array, whose: IntArray, flesh_m: float, geoms: IntArray, owners: IntArray, kinds: IntArray,
+    origin: Array, points: Array, whose: IntArray, flesh_m: Array, geoms: IntArray, owners: IntArray, kinds: IntArray,
     sizes: Array, bounds: Array, positions: Array, rotations: Array, out: BoolArray,
 ) -> None:  # fmt: skip
     """Write which points something hides from an origin.
@@ -37,7 +37,7 @@ def hidden(
         origin: (3,) world point [m].
         points: (N, 3) world points [m].
         whose: (N,) owner of each point.
-        flesh_m: how deep below its own owner's surface a point may lie and still be seen.
+        flesh_m: (N,) how deep below its own owner's surface a point may lie and still be seen.
         geoms: (G,) rows of the geoms that hide.
         owners: (all,) owner of each geom.
         kinds: (all,) geom types.
@@ -62,7 +62,7 @@ def hidden(
             for i in near[:found]:
                 g = geoms[i]
                 x, y, z = rel[i, 0], rel[i, 1], rel[i, 2]
-                limit = lengths[n] - (flesh_m if owners[g] == whose[n] else 0.0)
+                limit = lengths[n] - (flesh_m[n] if owners[g] == whose[n] else 0.0)
                 if bounds[g] > 0.0:
                     along = x * d[0] + y * d[1] + z * d[2]
                     if along - bounds[g] > limit or far[i] * far[i] - along * along > bounds[g] * bounds[g]:
