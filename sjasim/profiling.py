@@ -123,7 +123,7 @@ def _instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
     stage.step_to = recording  # type: ignore[method-assign]
     watched = [
         (stage, "step_to", "physics"), (stage, "states", "stabiliser_state"), (world.balance, "targets", "stabiliser"),
-        (world, "plan", "planning"), (world, "look", "sensing"), (world, "drive", "robot"),
+        (world, "plan", "planning"), (world, "set_out", "planning"), (world, "look", "sensing"), (world, "drive", "robot"),
         (session.server, "receive", "server"), (session.server, "due", "server"),
         (session.dispatcher, "due", "server"),
     ]  # fmt: skip

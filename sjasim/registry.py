@@ -18,11 +18,15 @@ T = TypeVar("T")
 
 ROOMS = {
     "anticipation": "anticipation",
+    "body": "humans",
     "choreography": "choreography",
     "humans": "humans",
     "sensing": "sensors",
 }
 """Kind of plug-in -> the room whose files may register one."""
+
+APART = {("body", "cmu"): ".interop.cmu"}
+"""(kind, name) -> module that registers it once it is asked for: it needs what may not be installed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +73,7 @@ def register(kind: str, name: str, config: type | None = None) -> Callable[[T], 
 def names(kind: str) -> tuple[str, ...]:
     """Names registered for a kind, sorted; loads the room."""
     _load_room(kind)
-    return tuple(sorted(_ENTRIES[kind]))
+    return tuple(sorted({*_ENTRIES[kind], *(name for other, name in APART if other == kind)}))
 
 
 def resolve(kind: str, name: str) -> Entry:
@@ -89,8 +93,13 @@ def resolve(kind: str, name: str) -> Entry:
     if ":" in name:
         return _resolve_outside(kind, name)
     _load_room(kind)
+    if (kind, name) in APART:
+        try:
+            importlib.import_module(APART[kind, name], __package__)
+        except ImportError as error:
+            raise PluginError(f"{kind} {name!r}: {error}") from error
     if name not in _ENTRIES[kind]:
-        raise UnknownNameError(kind, name, tuple(sorted(_ENTRIES[kind])))
+        raise UnknownNameError(kind, name, names(kind))
     return _ENTRIES[kind][name]
 
 

@@ -7,6 +7,7 @@ each on its own rate. A world emits messages and takes messages; links and serve
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Protocol, cast
 
@@ -17,9 +18,10 @@ from .choreography.layout import Layout
 from .choreography.score import Timetable
 from .clock import DeviceClock, Task, stream
 from .config import FaultConfig, SessionConfig
-from .humans.anatomy import Build, anatomy
+from .humans.anatomy import Build
 from .humans.balance import Balance
-from .humans.motion import Planner
+from .humans.body import body_model
+from .humans.motion import PREVIEW_S, Planner
 from .humans.reference import Reference
 from .humans.replay import Replay
 from .humans.timing import SOONEST_S
@@ -125,7 +127,7 @@ class PhysicsWorld:
         self._faults = config.faults
         self._dance(config, timetable, layout, robot)
         self._equip(config, layout, robot)
-        self.ledger = Ledger(self.stage, self.end_s, config)
+        self.ledger = Ledger(self.stage.servos.weight, max(1, config.stage.balance_hz // config.stage.truth_hz))
         self._outbox: list[Outward] = []
         self._check_s = 0.0
         self._next_iteration = timetable.first
@@ -136,7 +138,7 @@ class PhysicsWorld:
         heading = timetable.heading_rad(timetable.first)
         rate = config.stage.balance_hz
         builds = [_person(config, index) for index in range(config.group)]
-        self._anatomies = [anatomy(build) for build in builds]
+        self._anatomies = [body_model(config.body.model).anatomy(build) for build in builds]
         reference = Reference.empty(config.group, math.ceil((self.end_s + 1.0) * rate) + 1)
         turn = timetable.choreography.turn_rad
         self._planners = [
@@ -153,8 +155,10 @@ class PhysicsWorld:
         if isinstance(self._timing, Replay):
             self.notices.extend(self._timing.notices)
         self._busy_s = np.zeros(config.group)
-        self._fallen = np.zeros(config.group, dtype=bool)
-        self._fall_m = FALLEN_SHARE * np.array([body.standing_m for body in self._anatomies])
+        self._decided: list[deque[Cue]] = [deque() for _ in range(config.group)]
+        self._set_out_s = 0.0
+        self._fallen = [False] * config.group
+        self._fall_m = [FALLEN_SHARE * body.standing_m for body in self._anatomies]
 
     def _equip(self, config: SessionConfig, layout: Layout, robot: bool) -> None:
         ticks = self.stage.ticks
@@ -168,7 +172,7 @@ class PhysicsWorld:
         self._has_robot = robot
         self._blocked_from_s = _first_s(config.faults, "robot_blocked")
         self._dead_from_s = _first_s(config.faults, "dead_robot")
-        self._blocked = self._feels = False
+        self._blocked = False
         if robot:
             pose = (float(layout.robot[0]), float(layout.robot[1]), self._timetable.heading_rad(1))
             self._odometry = Odometry(config.robot, pose, stream(config.seed, "robot", "gyro"))
@@ -212,25 +216,25 @@ class PhysicsWorld:
     def advance(self, until_s: float) -> list[Outward]:
         """See `World`; instants between two ticks count as the later one."""
         stage = self.stage
-        now, goal = stage.time_s, stage.ticks.at_or_after(until_s)
-        if until_s > now:  # whatever rounding says, time goes on
-            goal = max(goal, stage.tick + 1)
-        if stage.tick >= goal:
+        now = stage.time_s
+        if until_s <= now:
             return []
         if now >= self._check_s:
             self._check(now)
         self._outbox = []
-        self._fire()
-        stage.step_to(min(self._balance_task.due, self._frame_task.due, self._robot_task.due, goal))
+        self._fire(stage.tick, now)
+        turn = min(self._balance_task.due, self._frame_task.due, self._robot_task.due)
+        if stage.ticks.time_s(turn) > until_s:  # whatever rounding says, time goes on
+            turn = min(turn, max(stage.ticks.at_or_after(until_s), stage.tick + 1))
+        stage.step_to(turn)
         return self._outbox
 
     def latest(self, sensor: str) -> SkeletonFrame | None:
         """The last frame that a sensor's client has processed."""
         return self._clients[sensor].latest
 
-    def _fire(self) -> None:
+    def _fire(self, tick: int, now: float) -> None:
         """Do everything that is due at this tick, before the physics goes on."""
-        tick, now = self.stage.tick, self.stage.time_s
         if tick == self._robot_task.due:
             self.drive(now)
             self._robot_task.advance()
@@ -242,10 +246,7 @@ class PhysicsWorld:
             self._balance_task.advance()
 
     def drive(self, now: float) -> None:
-        """A tick of the robot: odometry, events, wheel command; at every second one the floor's force is felt."""
-        self._feels = not self._feels
-        if self._feels:
-            self.ledger.feel(self.stage)
+        """A tick of the robot: odometry, events, wheel command."""
         if not self._has_robot:
             return
         if now >= self._dead_from_s:
@@ -269,7 +270,8 @@ class PhysicsWorld:
             self._outbox.append(state)
 
     def look(self, now: float) -> None:
-        """A frame tick: the clients take their frames and send what is ready."""
+        """A frame tick: the clients take their frames and send what is ready; the floor's force is felt."""
+        self.stage.feel()
         for name, client in self._clients.items():
             skeletons = client.capture(now, self.stage)
             if name == self.active and skeletons is not None:
@@ -286,21 +288,22 @@ class PhysicsWorld:
     def _move(self, now: float) -> None:
         if now >= self._plan_s:
             self.plan()
+        if now >= self._set_out_s:
+            self.set_out(now)
         states = self.stage.states()
         self.stage.apply(self.balance.targets(round(now * self._config.stage.balance_hz), states))
-        self.ledger.write(now, states.root, self.stage, self._fallen)
+        self.ledger.write(now, states)
 
     def _check(self, now: float) -> None:
         """Now and then: is the physics sound, has anybody fallen?"""
         self._check_s = now + CHECK_S
         self.stage.check()
-        down = (self.stage.heights_m < self._fall_m) & ~self._fallen
-        if not down.any():
-            return
-        self._fallen |= down
-        for index in np.flatnonzero(down):
-            self.stage.let_go(int(index))
-            self.notices.append(Notice(now, dancer_name(int(index)), "fell and dances no more"))
+        for index, limit_m in enumerate(self._fall_m):
+            if self.stage.height_m(index) < limit_m and not self._fallen[index]:
+                self._fallen[index] = True
+                self.stage.let_go(index)
+                self.ledger.fall(now, index)
+                self.notices.append(Notice(now, dancer_name(index), "fell and dances no more"))
 
     def plan(self) -> None:
         """Ask everybody what they decide to do next, and plan their motion; people know it some beats ahead."""
@@ -312,13 +315,24 @@ class PhysicsWorld:
             if self._fallen[index] or not cues:
                 continue
             performed = _with_faults(cues, self._faults)
-            self._planners[index].extend(performed, now)
+            self._decided[index].extend(performed)
             self.cues.extend(performed)
             if performed:
                 self._busy_s[index] = max(cue.t_s + cue.duration_s for cue in performed) + REST_S
         self.cues.sort(key=lambda cue: (cue.iteration, cue.t_s))
         due_s = self._timing.next_due_s
         self._plan_s = due_s if due_s < math.inf else self._begin_s
+        self._set_out_s = now
+
+    def set_out(self, now: float) -> None:
+        """Plan everybody's next move as late as it may be planned, and so from where they stand by then."""
+        ahead_s = now + PREVIEW_S
+        for planner, decided, fallen in zip(self._planners, self._decided, self._fallen, strict=True):
+            while decided and decided[0].t_s <= ahead_s:
+                cue = decided.popleft()
+                if not fallen:
+                    planner.extend([cue], now)
+        self._set_out_s = min((decided[0].t_s for decided in self._decided if decided), default=math.inf) - PREVIEW_S
 
     def _begin(self, now: float) -> None:
         """Begin the next iteration; the one after it begins when this one's window has closed."""

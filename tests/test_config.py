@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from sjasim import config
-from sjasim.config import FAULTS, FaultConfig, SessionConfig
+from sjasim.config import FAULTS, BodyConfig, FaultConfig, SessionConfig, StageConfig
 from sjasim.errors import ConfigError
 
 ROOMS = [field.name for field in dataclasses.fields(SessionConfig) if dataclasses.is_dataclass(field.default)]
@@ -62,3 +62,10 @@ def test_faults_are_of_known_kinds_and_sizes():
         FaultConfig("dead_sensor", "north", -1.0)
     with pytest.raises(ConfigError, match="value"):
         FaultConfig("clock_jump", "north", 0.0, 100.0)
+
+
+def test_without_a_tether_balance_is_fast_unless_rates_are_given():
+    free = BodyConfig(tether="none")
+    assert SessionConfig(body=free).stage.balance_hz == 240
+    assert SessionConfig(body=free, stage=StageConfig(rate_hz=300, balance_hz=100)).stage.balance_hz == 100
+    assert SessionConfig().stage.balance_hz == 50

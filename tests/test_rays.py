@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from sjasim import rays
+from sjasim.rays.hiding import hidden
 
 SHAPES = {
     "plane": 'type="plane" size="3 3 .1" pos="0 0 -1"',
@@ -63,9 +63,9 @@ def test_the_same_points_are_hidden_as_by_mujocos_rays(flesh_m):
         points = rng.uniform([-1.5, -1.5, -0.9], [1.5, 1.5, 1.5], size=(200, 3))
         whose = rng.integers(0, 3, size=200)
         out = np.empty(200, dtype=bool)
-        rays.hidden(
-            origin, points, whose, flesh_m, np.arange(model.ngeom), owners, model.geom_type.astype(np.int64),
-            model.geom_size, model.geom_rbound, data.geom_xpos, data.geom_xmat, out,
+        hidden(
+            origin, points, whose, np.full(200, flesh_m), np.arange(model.ngeom), owners,
+            model.geom_type.astype(np.int64), model.geom_size, model.geom_rbound, data.geom_xpos, data.geom_xmat, out,
         )  # fmt: skip
         assert np.array_equal(out, by_mujoco(model, data, origin, points, whose, flesh_m, owners))
         assert 0.1 < out.mean() < 0.9

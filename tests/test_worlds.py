@@ -7,6 +7,7 @@ import pytest
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import DanceConfig, FaultConfig, SessionConfig
+from sjasim.humans.motion import PREVIEW_S, Planner
 from sjasim.logs import AgentEvent
 from sjasim.types import ROBOT, ClientStatus, Cue, Kind, Move, SyncRequest
 from sjasim.worlds import PhysicsWorld, felt_error_s
@@ -31,11 +32,12 @@ def starts(stage, dancer):
 
 def test_advance_goes_from_turn_to_turn_and_never_beyond_the_time_asked():
     stage = world()
+    tick_s = 1 / stage.stage.ticks.rate_hz
     assert stage.time_s == 0.0
     while stage.time_s < 0.3:
         before = stage.time_s
         stage.advance(0.3)
-        assert before < stage.time_s <= min(before + 4.5 / 240, 0.3 + 1 / 240)
+        assert before < stage.time_s <= min(before + 3.5 * tick_s, 0.3 + tick_s)
     assert stage.advance(stage.time_s) == []
 
 
@@ -81,3 +83,21 @@ def test_what_dancers_feel_of_the_robot_is_its_distance_from_their_mean():
     assert felt_error_s([*cues, clap], robot) == pytest.approx((0.3 + 0.5) / 2)
     assert felt_error_s(cues, []) is None
     assert felt_error_s([], robot) is None
+
+
+def test_every_move_is_planned_when_it_is_due_and_not_before(monkeypatch):
+    told = []
+    extend = Planner.extend
+
+    def watched(planner, cues, now_s):
+        told.extend((now_s, cue) for cue in cues)
+        extend(planner, cues, now_s)
+
+    monkeypatch.setattr(Planner, "extend", watched)
+    stage = world()
+    advance(stage, 14.0)
+    assert len(told) >= 3 * 3
+    assert {cue.t_s for _, cue in told} == {cue.t_s for cue in stage.cues if cue.t_s <= 14.0 + PREVIEW_S}
+    for now_s, cue in told:
+        due_s = max(0.0, cue.t_s - PREVIEW_S)
+        assert due_s - 1e-9 <= now_s < due_s + 1.5 / CONFIG.stage.balance_hz

@@ -20,6 +20,7 @@ from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
 from sjasim.config_io import from_plain
 from sjasim.errors import SjasimError
+from sjasim.humans.body import body_model
 from sjasim.render import Renderer
 from sjasim.session import HUMANS_ONLY, Session
 from sjasim.types import (
@@ -109,6 +110,7 @@ class _Dance(gym.Env[Any, Any]):
         try:
             if render_mode == "human":
                 Window.check()
+            body_model(self.config.body.model)
             steps = timetable(self.config).choreography.steps()
             mounts = layout(self.config.layout, self.config.group, self.config.room, self.config.sensors).mounts
         except SjasimError as problem:

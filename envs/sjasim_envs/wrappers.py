@@ -8,6 +8,9 @@ import gymnasium as gym
 import numpy as np
 from gymnasium import error, spaces
 
+from sjasim.anticipation.learned import Steps
+from sjasim.session import Session
+
 from .observation import Row
 
 PARTS = ("beat", "command", "event_age", "iteration", "last_iteration")
@@ -40,3 +43,36 @@ class Told(gym.ObservationWrapper[Row, Any, dict[str, Row]]):
         """One row of the parts; of the command only the move and its age."""
         parts = (observation[name].ravel() for name in PARTS[2:])
         return np.concatenate([observation["beat"], observation["command"][:5], *parts])
+
+
+class InOrder(gym.Wrapper[Any, Any, Any, Any]):
+    """Lets an agent send each of the score's steps once and in order, near its beat; the rest of its actions hold.
+
+    This is how the method ``learned`` hears a policy, so that one who was trained so dances as it was trained. It also
+    makes learning quicker: what is left to learn is when.
+
+    Args:
+        env: an environment with the four moves as actions.
+
+    Raises:
+        error.Error: the environment has other actions.
+    """
+
+    def __init__(self, env: gym.Env[Any, Any]) -> None:
+        super().__init__(env)
+        if not isinstance(env.action_space, spaces.Discrete):
+            raise error.Error(f"InOrder needs the four moves as actions, not {env.action_space}")
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Begin a dance."""
+        answer = self.env.reset(seed=seed, options=options)
+        self._session: Session = self.get_wrapper_attr("session")
+        self._steps = Steps(self._session.brief)
+        return answer
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Send a step of the score, or hold the move in force."""
+        if self.action_space.contains(action):
+            self._steps.take(self._session.time_s, int(action))
+            action = self._steps.move
+        return self.env.step(action)

@@ -36,6 +36,11 @@ _TURNS = [math.tau / period for period in PERIODS]
 _KIND = {kind: index for index, kind in enumerate(SYNCHRONY_KINDS)}
 
 
+def iteration_at(brief: Brief, t_s: float) -> int:
+    """The iteration whose window holds a session time; the last one after it."""
+    return min(bisect_left(brief.window_end_s, t_s), brief.iterations)
+
+
 class Features:
     """Events in, rows of numbers out; it knows what a method knows and nothing more.
 
@@ -62,7 +67,7 @@ class Features:
 
     def iteration(self, t_s: float) -> int:
         """The iteration whose window holds a session time; the last one after it."""
-        return min(bisect_left(self._brief.window_end_s, t_s), self._brief.iterations)
+        return iteration_at(self._brief, t_s)
 
     def beat(self, t_s: float) -> tuple[float, ...]:
         """The beat of the iteration over 40, then cosines and sines of its phases in `PERIODS`; 9 numbers."""

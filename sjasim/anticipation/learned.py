@@ -18,7 +18,7 @@ from ..types import (
     Kind,
     Move,
 )
-from .features import MOVES, Features
+from .features import MOVES, Features, iteration_at
 
 _MOVE = {
     Kind.START_FORWARD: Move.FORWARD,
@@ -92,12 +92,53 @@ class Network:
         return np.asarray(weights @ x + bias)
 
 
+LEEWAY_BEATS = 3.0
+"""So far from a step's beat its move is taken to mean it; people are rarely so far off (assumed)."""
+
+
+class Steps:
+    """What a wanted move means in the score: the step of that move whose beat is nearest, each sent once and in order.
+
+    The environment lets a policy do anything at any time; this does not. In the rehearsal it stands still.
+
+    Args:
+        brief: the dance.
+    """
+
+    def __init__(self, brief: Brief) -> None:
+        self._brief = brief
+        self._last = (0, -1)
+        self._beats = [
+            [(step.beat, step.ordinal) for step in brief.steps if _MOVE[step.kind] is move] for move in MOVES
+        ]
+        self.move = 0
+        """The move in force, by its place in `MOVES`."""
+
+    def take(self, t_s: float, wanted: int) -> tuple[int, int] | None:
+        """Send the step that a wanted move means: its iteration and ordinal, or None where there is nothing to send.
+
+        Args:
+            t_s: session time.
+            wanted: a move by its place in `MOVES`; the one in force means none.
+        """
+        iteration = iteration_at(self._brief, t_s)
+        if iteration == 0 or wanted == self.move:
+            return None
+        beat = self._brief.beat(iteration, t_s)
+        near = [(abs(own - beat), ordinal) for own, ordinal in self._beats[wanted]]
+        if not near:
+            return None
+        off, ordinal = min(near)
+        if off > LEEWAY_BEATS or (iteration, ordinal) <= self._last:
+            return None
+        self._last = (iteration, ordinal)
+        self.move = wanted
+        return self._last
+
+
 @register("anticipation", "learned", config=LearnedConfig)
 class Learned:
-    """Asks a trained policy some times a second which move it wants, and sends the step that is nearest to it.
-
-    The environment lets a policy do anything at any time; the score does not: a step is sent once, and none that lies
-    behind it. In the rehearsal it stands still.
+    """Asks a trained policy some times a second which move it wants, and sends the step that this means; see `Steps`.
 
     Args:
         config: its options.
@@ -117,8 +158,8 @@ class Learned:
         """
         self._brief = brief
         self._features = Features(brief)
-        self._move, self._sent_s = 0, -math.inf
-        self._last = (0, -1)
+        self._steps = Steps(brief)
+        self._sent_s = -math.inf
         self._begun = False
         width = len(self._features.row(0.0, 0, 0.0))
         if width != len(self._network.mean):
@@ -145,19 +186,10 @@ class Learned:
         if t_s > self._brief.window_end_s[-1]:
             return ()
         again = Wake(t_s + 1.0 / self._network.step_hz)
-        iteration = self._features.iteration(t_s)
-        scores = self._network.scores(self._features.row(t_s, self._move, self._sent_s).astype(np.float64))
+        scores = self._network.scores(self._features.row(t_s, self._steps.move, self._sent_s).astype(np.float64))
         wanted = int(np.argmax(scores))
-        key = self._step(iteration, MOVES[wanted], t_s)
-        if iteration == 0 or wanted == self._move or key <= self._last:
+        key = self._steps.take(t_s, wanted)
+        if key is None:
             return (again,)
-        self._move, self._sent_s, self._last = wanted, t_s, key
+        self._sent_s = t_s
         return Intention(*key, t_s, f"the policy wants {MOVES[wanted].value}"), again
-
-    def _step(self, iteration: int, move: Move, t_s: float) -> tuple[int, int]:
-        """The iteration's step of this move that is nearest in time."""
-        beat = self._brief.beat(iteration, t_s)
-        own = [step for step in self._brief.steps if _MOVE[step.kind] is move]
-        if not own:
-            return -1, -1
-        return iteration, min(own, key=lambda step: abs(step.beat - beat)).ordinal

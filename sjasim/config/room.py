@@ -82,13 +82,15 @@ class BodyConfig:
     """The dancers' builds and the tether.
 
     Attributes:
+        model: ``sjasim`` (our own), ``cmu`` (dm_control's CMU humanoid; needs dm-control) or module:Class.
         stature_m: lowest and highest stature to draw from.
         mass_kg: lowest and highest mass to draw from.
-        tether: ``weak`` (saturating) or ``none``.
+        tether: ``weak`` (saturating) or ``none`` (balance alone; physics and balance then run at 240 Hz by default).
         tether_force_n: most horizontal force of the tether, each axis.
         tether_torque_nm: most torque of the tether, each axis.
     """
 
+    model: str = "sjasim"
     stature_m: tuple[float, float] = (1.60, 1.85)
     mass_kg: tuple[float, float] = (58.0, 88.0)
     tether: str = "weak"
@@ -112,14 +114,14 @@ class StageConfig:
     """Physics.
 
     Attributes:
-        rate_hz: physics steps per second; a multiple of the 30 Hz frame rate.
+        rate_hz: physics steps per second; 150 is a multiple of cameras', odometry's and balance's rates.
         balance_hz: rate of the balance controller and the joint targets.
         truth_hz: rate at which the true state is logged.
     """
 
-    rate_hz: int = 240
-    balance_hz: int = 60
-    truth_hz: int = 60
+    rate_hz: int = 150
+    balance_hz: int = 50
+    truth_hz: int = 50
 
     def __post_init__(self) -> None:
         within("stage.rate_hz", self.rate_hz, 120, 2000)

@@ -14,6 +14,10 @@ from .room import BodyConfig, DanceConfig, RoomConfig, StageConfig
 from .sensing import DetectorConfig, SensorConfig
 
 
+FREE_STAGE = StageConfig(rate_hz=240, balance_hz=240)
+"""Physics of dancers without a tether, unless a session asks for other rates: who balances alone balances often."""
+
+
 @dataclass(frozen=True, slots=True)
 class SessionConfig:
     """One dance session, whole.
@@ -62,3 +66,5 @@ class SessionConfig:
         within("group", self.group, 1, 8)
         if isinstance(self.seed, float):
             raise ConfigError("seed", self.seed, "a whole number")
+        if self.body.tether == "none" and self.stage == StageConfig():
+            object.__setattr__(self, "stage", FREE_STAGE)

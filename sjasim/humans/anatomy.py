@@ -93,6 +93,7 @@ class Anatomy:
         hip_m: half the distance between the hips.
         sole_m: (heel, toe): how far the sole reaches behind and before the ankle.
         hand_half_m: half the thickness of a hand.
+        model: name of the body model that these tables describe.
     """
 
     build: Build
@@ -104,6 +105,7 @@ class Anatomy:
     hip_m: float
     sole_m: tuple[float, float]
     hand_half_m: float
+    model: str = "sjasim"
 
     @property
     def standing_m(self) -> float:

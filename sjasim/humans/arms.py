@@ -14,7 +14,8 @@ from scipy.optimize import least_squares
 
 from ..assets.names import ACTUATED_INDEX, ARM_JOINTS, JOINT_INDEX
 from ..types import Array
-from .anatomy import Anatomy, Build, anatomy
+from .anatomy import Anatomy, Build
+from .body import body_model
 from .kinematics import hand_rotation, joint_positions
 from .profile import smooth
 
@@ -23,7 +24,7 @@ RAISE_S, CLOSE_S, HOLD_S, LOWER_S = 0.45, 0.26, 0.10, 0.50
 """A clap's parts [s]: hands up, hands together, hands held, hands down."""
 PRESS = 0.0034
 """How far the closing hands aim past their contact, as a share of stature."""
-MEET_S = 0.035
+MEET_S = 0.040
 """The palms touch so long before the closing motion would end [s]."""
 
 
@@ -37,12 +38,12 @@ class ArmPoses:
 
 
 @cache
-def arm_poses() -> ArmPoses:
-    """Poses of every build: all lengths go with stature, so the angles are the same for everybody.
+def arm_poses(model: str) -> ArmPoses:
+    """Poses of every build of a body model: all lengths go with stature, so the angles are the same for everybody.
 
     The clapping ones are found by inverse kinematics.
     """
-    body = anatomy(Build())
+    body = body_model(model).anatomy(Build())
     h = body.build.stature_m
     reach, height = 0.165 * h, 0.155 * h
     apart = _reach(body, np.array([reach * 0.95, 0.13 * h, height]))

@@ -27,7 +27,7 @@ HIP_Z, HIP_X, HIP_Y, _, ANKLE_Y, ANKLE_X = range(6)
 Plan = tuple[Array, Array, Array, Array, Array, Array, Array, Array]
 """Joints, pelvis, yaw, divergent component, weight, ankles, time to landing, torque: rows per tick."""
 COM, VELOCITY, ROOT, RATE, LEFT, RIGHT = 0, 3, 6, 12, 18, 21
-"""Where the parts of `types.DancerStates.felt` begin."""
+"""Where the parts of `types.DancerStates.rows` begin."""
 STIFFNESS, LEAD, ROOT_LEAD, WEIGHT, LEG = 0, 25, 50, 55, 56
 """Where the parts of a dancer's actuators begin: stiffness, leads of hinges and tether, body weight, leg length."""
 
@@ -46,8 +46,8 @@ class BalanceGains:
         step_across: the same sideways.
         drift: how much of the standing foot's drift the next foothold takes back.
         yaw: hip angle per yaw error.
-        decay: what remains of a foothold's correction after one tick of standing.
-        ahead: how far targets run ahead of the plan, against the delay of held targets and soft joints [s].
+        decay: what remains of a foothold's correction after a sixtieth of a second of standing.
+        ahead: how far targets run ahead of the plan, against the delay of held targets, as a share of a tick.
         effort: share of the plan's torques that is fed forward.
     """
 
@@ -61,7 +61,7 @@ class BalanceGains:
     drift: float = 0.75
     yaw: float = 0.64
     decay: float = 0.912
-    ahead: float = 0.0083
+    ahead: float = 0.5
     effort: float = 1.0
 
 
@@ -123,16 +123,16 @@ def _reach(u: Array, leg: IntArray, shift: Array, length: float) -> None:
 
 @njit(cache=True)
 def _correct(
-    i: int, rate: float, omega: float, plan: Plan, felt: Array, servo: Array, gain: Array, shift: Array, u: Array,
-    root_out: Array,
+    i: int, until: int, rate: float, omega: float, plan: Plan, felt: Array, servo: Array, gain: Array, shift: Array,
+    u: Array, root_out: Array,
 ) -> None:  # fmt: skip
     """Targets of one dancer for one tick."""
     joints, pelvis, yaw, dcm, weight, ankles, landing, torque = plan
     root, stiffness, root_lead = felt[ROOT:RATE], servo[STIFFNESS:LEAD], servo[ROOT_LEAD:WEIGHT]
-    last = len(yaw) - 1
-    a, b = max(i - 1, 0), min(i + 1, last)
+    last = until - 1
+    a, b = min(max(i - 1, 0), last), min(i + 1, last)
     i = min(i, last)
-    per, ahead = rate / max(b - a, 1), gain[AHEAD]
+    per, ahead = rate / max(b - a, 1), gain[AHEAD] / rate
     _follow_plan(joints[i], joints[a], joints[b], per, servo[LEAD:ROOT_LEAD], ahead, u)
     for k in range(len(u)):
         u[k] += gain[EFFORT] * (torque[i, k] + ahead * per * (torque[b, k] - torque[a, k])) / stiffness[k]
@@ -164,19 +164,19 @@ def _correct(
             u[leg[ANKLE_Y]] -= root[4]
             u[leg[ANKLE_X]] -= root[5]
         else:
-            shift[side] *= gain[DECAY]
+            shift[side] *= gain[DECAY] ** (60.0 / rate)
         _reach(u, leg, shift[side], servo[LEG])
 
 
 @njit(cache=True)
 def _correct_all(
-    i: int, rate: float, omega: Array, plan: Plan, felt: Array, servo: Array, gain: Array, shift: Array, out: Array,
-    root_out: Array,
+    i: int, until: IntArray, rate: float, omega: Array, plan: Plan, felt: Array, servo: Array, gain: Array,
+    shift: Array, out: Array, root_out: Array,
 ) -> None:  # fmt: skip
     joints, pelvis, yaw, dcm, weight, ankles, landing, torque = plan
     for d in range(len(omega)):
         _correct(
-            i, rate, omega[d],
+            i, until[d], rate, omega[d],
             (joints[d], pelvis[d], yaw[d], dcm[d], weight[d], ankles[d], landing[d], torque[d]),
             felt[d], servo[d], gain, shift[d], out[d], root_out[d],
         )  # fmt: skip
@@ -198,6 +198,7 @@ class Balance:
     ) -> None:
         r, s = reference, servos
         self._plan = (r.joints, r.pelvis, r.yaw, r.dcm, r.weight, r.ankles, r.landing, r.torque)
+        self._until = r.until
         self._servo = np.column_stack([s.stiffness, s.lead, s.root_lead, s.weight, s.leg])
         self._omega = omega
         self._rate = float(rate_hz)
@@ -210,7 +211,7 @@ class Balance:
     def targets(self, tick: int, states: DancerStates) -> JointTargets:
         """Targets for one control tick; the arrays are overwritten by the next call."""
         _correct_all(
-            tick, self._rate, self._omega, self._plan, states.felt, self._servo, self._gains, self._shift, self._joints,
-            self._root,
+            tick, self._until, self._rate, self._omega, self._plan, states.rows, self._servo, self._gains, self._shift,
+            self._joints, self._root,
         )  # fmt: skip
         return JointTargets(self._joints, self._root)

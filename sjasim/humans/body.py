@@ -6,13 +6,17 @@ vertical is free, so the feet carry the whole weight.
 
 from __future__ import annotations
 
+from typing import Protocol, cast
+
 import mujoco
 import numpy as np
 
 from ..assets.colours import dancer_colour
 from ..assets.names import ACTUATED, FLOOR_BIT, HAND_BIT, ROBOT_BIT, ROOT_JOINTS, TETHERED, dancer_bit
 from ..config import BodyConfig
-from .anatomy import Anatomy, Segment, Shape
+from ..registry import register, resolve
+from ..types import Array
+from .anatomy import Anatomy, Build, Segment, Shape, anatomy
 
 GAINS = {
     "abdomen_z": (2000, 150), "abdomen_y": (2800, 200), "abdomen_x": (2800, 200),
@@ -30,7 +34,12 @@ TETHER_GAINS = {
 }  # fmt: skip
 """Tethered root joint -> stiffness [N/m, Nm/rad] and damping [N s/m, Nm s/rad] (assumed)."""
 
-ARMATURE = 0.02
+ARMATURE, ANKLE_ARMATURE = 0.02, 0.06
+"""Inertia of muscles about a joint [kg m^2], at 75 kg and 1.75 m (assumed); it scales as stiffness does.
+
+A light ankle under a stiff muscle on a soft contact would quiver at 150 steps a second: a standing dancer's ankles then
+turn at 1 rad/s, with this inertia not at all.
+"""
 DAMPING = 0.6
 SKIN, SHOES = (0.80, 0.60, 0.47), (0.16, 0.16, 0.18)
 TROUSERS = 0.55
@@ -42,6 +51,58 @@ FORMS = {
     "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
 }
 AXES = np.eye(3)
+
+
+class BodyModel(Protocol):
+    """What can perform a dance that is planned for the hinges of `assets.names.ACTUATED`.
+
+    Attributes:
+        hinges: names of the H hinges that have a position servo of the same name.
+        leading: (25,) for each planned hinge the one of ``hinges`` whose servo moves it; its gains stand for it.
+    """
+
+    hinges: tuple[str, ...]
+    leading: tuple[str, ...]
+
+    def anatomy(self, build: Build) -> Anatomy:
+        """The tables that a build's motion is planned with; ``chains`` of it must fit what `spec` builds."""
+        ...
+
+    def spec(self, anatomy: Anatomy, index: int, group: int, config: BodyConfig) -> mujoco.MjSpec:
+        """The model; see `dancer_spec` for what it must hold."""
+        ...
+
+    def angles(self, planned: Array) -> Array:
+        """(D, H) angles of its own hinges for planned ones (D, 25) [rad]."""
+        ...
+
+
+@register("body", "sjasim")
+class OwnBody:
+    """Our own dancer, whose hinges are the planned ones."""
+
+    hinges = leading = ACTUATED
+
+    def anatomy(self, build: Build) -> Anatomy:
+        """See `anatomy.anatomy`."""
+        return anatomy(build)
+
+    def spec(self, anatomy: Anatomy, index: int, group: int, config: BodyConfig) -> mujoco.MjSpec:
+        """See `dancer_spec`."""
+        return dancer_spec(anatomy, index, group, config)
+
+    def angles(self, planned: Array) -> Array:
+        """The same."""
+        return planned
+
+
+def body_model(name: str) -> BodyModel:
+    """The body model of a name.
+
+    Raises:
+        SjasimError: there is none, or it needs what is not installed.
+    """
+    return cast("BodyModel", resolve("body", name).factory())
 
 
 def dancer_spec(anatomy: Anatomy, index: int, group: int, config: BodyConfig) -> mujoco.MjSpec:
@@ -60,40 +121,54 @@ def dancer_spec(anatomy: Anatomy, index: int, group: int, config: BodyConfig) ->
     spec = mujoco.MjSpec()
     spec.modelname = "dancer"
     spec.compiler.degree = False
+    scale = anatomy.build.mass_kg / 75.0 * (anatomy.build.stature_m / 1.75) ** 2
     bodies: list[mujoco.MjsBody] = []
     for segment in anatomy.segments:
         parent = bodies[segment.parent] if segment.parent >= 0 else spec.worldbody
-        bodies.append(_segment(parent, segment, index, group))
+        bodies.append(_segment(parent, segment, scale))
+        for shape in segment.shapes:
+            _shape(bodies[-1], shape, index, group)
     for name, (row, offset) in anatomy.joints.items():
         bodies[row].add_site(name=name, pos=offset, size=[0.01, 0.01, 0.01], group=4)
-    scale = anatomy.build.mass_kg / 75.0 * (anatomy.build.stature_m / 1.75) ** 2
     for name in ACTUATED:
         kp, limit = (value * scale for value in GAINS[name.removesuffix("_L").removesuffix("_R")])
         servo = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         servo.set_to_position(kp=kp, dampratio=1.0)
         servo.forcelimited = True
         servo.forcerange = [-limit, limit]
-    if config.tether == "weak":
-        _tether(spec, config, anatomy.build.mass_kg / 75.0)
+    add_tether(spec, anatomy.build, config)
     return spec
 
 
-def _segment(parent: mujoco.MjsBody, segment: Segment, index: int, group: int) -> mujoco.MjsBody:
+def _segment(parent: mujoco.MjsBody, segment: Segment, scale: float) -> mujoco.MjsBody:
     body = parent.add_body(name=segment.name, pos=segment.offset)
     if segment.parent < 0:
-        for name in ROOT_JOINTS:
-            slide = name in ("root_x", "root_y", "root_z")
-            axis = {"root_x": 0, "root_y": 1, "root_z": 2, "root_yaw": 2, "root_pitch": 1, "root_roll": 0}[name]
-            kind = mujoco.mjtJoint.mjJNT_SLIDE if slide else mujoco.mjtJoint.mjJNT_HINGE
-            body.add_joint(name=name, type=kind, axis=AXES[axis])
+        add_root(body)
     for hinge in segment.hinges:
+        armature = ANKLE_ARMATURE if hinge.name.startswith("ankle") else ARMATURE
         body.add_joint(
             name=hinge.name, axis=hinge.sign * AXES[hinge.axis], range=[hinge.low_rad, hinge.high_rad], limited=True,
-            armature=ARMATURE, damping=[DAMPING, 0, 0],
+            armature=scale * armature, damping=[DAMPING, 0, 0],
         )  # fmt: skip
-    for shape in segment.shapes:
-        _shape(body, shape, index, group)
     return body
+
+
+def add_root(body: mujoco.MjsBody, axes: Array = AXES, place: Array | None = None) -> None:
+    """Let a pelvis move freely, on slides and hinges that a tether can pull at one by one.
+
+    Args:
+        body: the pelvis.
+        axes: (3, 3) our axes in the body's own, one a column.
+        place: (3,) what is to be placed, in the body's own axes; its origin if None [m].
+    """
+    for name in ROOT_JOINTS:
+        slide = name in ("root_x", "root_y", "root_z")
+        axis = {"root_x": 0, "root_y": 1, "root_z": 2, "root_yaw": 2, "root_pitch": 1, "root_roll": 0}[name]
+        kind = mujoco.mjtJoint.mjJNT_SLIDE if slide else mujoco.mjtJoint.mjJNT_HINGE
+        body.add_joint(
+            name=name, type=kind, axis=axes[:, axis], pos=np.zeros(3) if place is None else place, limited=False,
+            armature=0.0, damping=np.zeros(3),
+        )  # fmt: skip
 
 
 def _shape(body: mujoco.MjsBody, shape: Shape, index: int, group: int) -> None:
@@ -125,7 +200,11 @@ def _colour(shape: Shape, index: int) -> tuple[float, ...]:
     return tuple(shade * (0.12 + 0.88 * value / 255) for value in dancer_colour(index))
 
 
-def _tether(spec: mujoco.MjSpec, config: BodyConfig, scale: float) -> None:
+def add_tether(spec: mujoco.MjSpec, build: Build, config: BodyConfig) -> None:
+    """Let saturating actuators pull at the root's joints, unless the configuration wants none."""
+    if config.tether == "none":
+        return
+    scale = build.mass_kg / 75.0
     for name in TETHERED:
         stiffness, damping = (scale * gain for gain in TETHER_GAINS[name])
         limit = config.tether_force_n if name in ("root_x", "root_y") else config.tether_torque_nm

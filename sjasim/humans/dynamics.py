@@ -17,6 +17,8 @@ from .anatomy import Chains
 from .kinematics import place
 
 GRAVITY = 9.81
+SMOOTH_S = 0.02
+"""Accelerations are differences over so long, whatever the rate: footsteps begin and end with a kink (assumed) [s]."""
 
 
 @njit(cache=True)
@@ -50,55 +52,60 @@ def _sweep(
 
 
 @njit(cache=True)
-def _accelerations(points: Array, dt_s: float) -> Array:
-    """Second differences (T, P, 3), smoothed over three ticks; the ends take their neighbours' values."""
-    n = len(points)
-    raw = np.zeros_like(points)
-    if n < 3:
-        return raw
-    for t in range(1, n - 1):
-        raw[t] = (points[t + 1] - 2.0 * points[t] + points[t - 1]) / dt_s**2
-    raw[0], raw[n - 1] = raw[1], raw[n - 2]
-    out = raw.copy()
-    for t in range(1, n - 1):
-        out[t] = 0.25 * raw[t - 1] + 0.5 * raw[t] + 0.25 * raw[t + 1]
+def _accelerations(points: Array, dt_s: float, stride: int) -> Array:
+    """Second differences (T, P, 3) over some ticks, smoothed over as many; the ends stand still."""
+    ticks, per = len(points), 1.0 / (stride * dt_s) ** 2
+    raw, out = np.zeros_like(points), np.zeros_like(points)
+    for t in range(stride, ticks - stride):
+        for p in range(points.shape[1]):
+            for k in range(3):
+                raw[t, p, k] = per * (points[t + stride, p, k] - 2.0 * points[t, p, k] + points[t - stride, p, k])
+    for t in range(stride, ticks - stride):
+        for p in range(points.shape[1]):
+            for k in range(3):
+                out[t, p, k] = 0.25 * raw[t - stride, p, k] + 0.5 * raw[t, p, k] + 0.25 * raw[t + stride, p, k]
     return out
 
 
 @njit(cache=True)
-def _add(force: Array, moment: Array, point: Array, push: Array) -> None:
+def _add(force: Array, moment: Array, point: Array, x: float, y: float, z: float) -> None:
     """Add a force at a point to a force and its moment about the world's origin."""
-    for k in range(3):
-        a, b = (k + 1) % 3, (k + 2) % 3
-        force[k] += push[k]
-        moment[k] += point[a] * push[b] - point[b] * push[a]
+    force[0] += x
+    force[1] += y
+    force[2] += z
+    moment[0] += point[1] * z - point[2] * y
+    moment[1] += point[2] * x - point[0] * z
+    moment[2] += point[0] * y - point[1] * x
 
 
 @njit(cache=True)
 def _balance_sheet(
     points: Array, accelerations: Array, mass: Array, point_segment: IntArray, parent: IntArray, feet: IntArray,
-    ankles: Array, weight: float, force: Array, moment: Array,
+    ankles: Array, weight: float, force: Array, moment: Array, sole: Array,
 ) -> None:  # fmt: skip
     """Write the force (S, 3) and moment (S, 3) that each segment needs from its parent, for one tick."""
     force[:] = 0.0
     moment[:] = 0.0
-    push, total, turn = np.zeros(3), np.zeros(3), np.zeros(3)
     for p in range(len(mass)):
-        push[:] = mass[p] * accelerations[p]
-        push[2] += mass[p] * GRAVITY
-        _add(force[point_segment[p]], moment[point_segment[p]], points[p], push)
-        _add(total, turn, points[p], push)
-    zmp_x, zmp_y = -turn[1] / total[2], turn[0] / total[2]
+        s, m, a = point_segment[p], mass[p], accelerations[p]
+        _add(force[s], moment[s], points[p], m * a[0], m * a[1], m * (a[2] + GRAVITY))
+    x, y, z, turn_x, turn_y = 0.0, 0.0, 0.0, 0.0, 0.0
+    for s in range(len(parent)):
+        x += force[s, 0]
+        y += force[s, 1]
+        z += force[s, 2]
+        turn_x += moment[s, 0]
+        turn_y += moment[s, 1]
+    off_x = -turn_y / z - weight * ankles[0, 0] - (1.0 - weight) * ankles[1, 0]
+    off_y = turn_x / z - weight * ankles[0, 1] - (1.0 - weight) * ankles[1, 1]
     for side in range(2):
         share = weight if side == 0 else 1.0 - weight
-        foot = feet[side]
-        sole = np.zeros(3)
-        sole[0] = ankles[side, 0] + zmp_x - weight * ankles[0, 0] - (1.0 - weight) * ankles[1, 0]
-        sole[1] = ankles[side, 1] + zmp_y - weight * ankles[0, 1] - (1.0 - weight) * ankles[1, 1]
-        _add(force[foot], moment[foot], sole, -share * total)
+        sole[0], sole[1], sole[2] = ankles[side, 0] + off_x, ankles[side, 1] + off_y, 0.0
+        _add(force[feet[side]], moment[feet[side]], sole, -share * x, -share * y, -share * z)
     for s in range(len(parent) - 1, 0, -1):
-        force[parent[s]] += force[s]
-        moment[parent[s]] += moment[s]
+        for k in range(3):
+            force[parent[s], k] += force[s, k]
+            moment[parent[s], k] += moment[s, k]
 
 
 @njit(cache=True)
@@ -108,44 +115,49 @@ def _hinge_torques(
 ) -> Array:  # fmt: skip
     ticks, segments = origins.shape[0], origins.shape[1]
     out = np.zeros((ticks, len(hinge_segment)))
-    force, moment = np.zeros((segments, 3)), np.zeros((segments, 3))
+    force, moment, sole = np.zeros((segments, 3)), np.zeros((segments, 3)), np.zeros(3)
     for t in range(ticks):
         _balance_sheet(
-            points[t], accelerations[t], mass, point_segment, parent, feet, ankles[t], weight[t], force, moment
+            points[t], accelerations[t], mass, point_segment, parent, feet, ankles[t], weight[t], force, moment, sole
         )
         for h in range(len(hinge_segment)):
             s = hinge_segment[h]
-            torque = 0.0
-            for k in range(3):
-                a, b = (k + 1) % 3, (k + 2) % 3
-                arm = origins[t, s, a] * force[s, b] - origins[t, s, b] * force[s, a]
-                torque += axes[t, h, k] * (moment[s, k] - arm)
-            out[t, hinge_column[h]] = torque
+            o, f, m, axis = origins[t, s], force[s], moment[s], axes[t, h]
+            out[t, hinge_column[h]] = (
+                axis[0] * (m[0] - o[1] * f[2] + o[2] * f[1])
+                + axis[1] * (m[1] - o[2] * f[0] + o[0] * f[2])
+                + axis[2] * (m[2] - o[0] * f[1] + o[1] * f[0])
+            )
     return out
 
 
-def hinge_torques(
-    chains: Chains, q: Array, pelvis: Array, yaw: Array, ankles: Array, weight: Array, dt_s: float
-) -> Array:
-    """Torques that a plan takes (T, 25), columns as in ``q`` [Nm].
-
-    Args:
-        chains: the dancer's tables.
-        q: (T, 25) hinge angles [rad].
-        pelvis: (T, 3) of the upright pelvis [m].
-        yaw: (T,) its heading [rad].
-        ankles: (T, 2, 3) left and right [m].
-        weight: (T,) share of the weight on the left foot.
-        dt_s: time between rows; fewer than three rows count as standing still.
-    """
+def masses(chains: Chains, q: Array, pelvis: Array, yaw: Array) -> tuple[Array, Array, Array]:
+    """Where a plan puts segments (T, S, 3), hinges' axes (T, 25, 3) and mass points (T, P, 3) [m]; see below."""
     c = chains
     origins, axes, points = _sweep(
         q, pelvis, yaw, c.parent, c.offset, c.hinge_segment, c.hinge_column, c.hinge_axis, c.hinge_sign,
         c.point_segment, c.point_offset,
     )  # fmt: skip
+    return origins, axes, points
+
+
+def hinge_torques(
+    chains: Chains, placed: tuple[Array, Array, Array], ankles: Array, weight: Array, dt_s: float
+) -> Array:
+    """Torques that a plan takes (T, 25), columns as in its postures [Nm].
+
+    Args:
+        chains: the dancer's tables.
+        placed: the plan's segments, axes and mass points, see `masses`.
+        ankles: (T, 2, 3) left and right [m].
+        weight: (T,) share of the weight on the left foot.
+        dt_s: time between rows; the first and last few count as standing still.
+    """
+    c, (origins, axes, points) = chains, placed
+    stride = max(1, round(SMOOTH_S / dt_s))
     return np.asarray(
         _hinge_torques(
-            origins, axes, points, _accelerations(points, dt_s), c.point_mass, c.point_segment, c.parent, c.feet,
-            c.hinge_segment, c.hinge_column, ankles, weight,
+            origins, axes, points, _accelerations(points, dt_s, stride), c.point_mass, c.point_segment, c.parent,
+            c.feet, c.hinge_segment, c.hinge_column, ankles, weight,
         )
     )  # fmt: skip

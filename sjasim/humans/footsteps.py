@@ -8,16 +8,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from ..types import Array
-from .anatomy import Anatomy
 from .profile import SpeedProfile, smooth
 from .reference import Reference
 
 STEP_S = 0.50
 """Usual time from one step to the next [s]: about a beat at 118 BPM."""
-LEAD_S = 0.20
-"""A walk's first step begins so long before the start event [s]."""
+LEAD_S = 0.30
+"""A walk's first step begins so long before the start event [s]; then no foot leaves the floor, which shows in the
+pelvis as a ripple, while the speed passes its onset."""
 TRAIL_S = 0.12
 """A walk's last step ends so long after the stop event [s]."""
 SUPPORT_SHARE = 0.22
@@ -65,13 +66,13 @@ def walk(profile: SpeedProfile, t_s: float, last_side: int, free_s: float) -> Wa
     count = max(2, round(whole / STEP_S))
     slot = whole / count
     pause = 0.5 * SUPPORT_SHARE * slot
+    middles = begin + (np.arange(count) + 1.5) * slot - t_s
+    ways = profile.travelled(middles)
+    ways[-2:] = profile.distance_m
     steps = []
     for j in range(count):
-        middle = begin + (j + 1.5) * slot - t_s
-        way = profile.distance_m if j >= count - 2 else float(profile.travelled(np.array(middle)))
-        side = (last_side + 1 + j) % 2
         lift, land = begin + j * slot + pause, begin + (j + 1) * slot - pause
-        steps.append(Step(side, lift, land, way))
+        steps.append(Step((last_side + 1 + j) % 2, lift, land, float(ways[j])))
     return Walk(tuple(steps), begin, begin + whole, slot)
 
 
@@ -100,7 +101,7 @@ class Feet:
         hip_m: half the distance between the feet.
         ankle_m: height of a standing foot's ankle.
         times: (T,) ticks [s].
-        reference: where the feet are written: ankles, foot_yaw, landing.
+        reference: where the feet are written, up to its last planned row: ankles, foot_yaw, landing.
     """
 
     def __init__(
@@ -111,10 +112,13 @@ class Feet:
         self._times = times
         self._dt = float(times[1] - times[0])
         self.ankles, self.yaw, self.landing = reference.ankles, reference.foot_yaw, reference.landing
-        self.yaw[:] = heading_rad
+        self._kernel = easing(SHIFT_S / 2, self._dt)
+        self._until = reference.until
+        known = slice(0, int(self._until[0]))
+        self.yaw[known] = heading_rad
         for side in range(2):
-            self.ankles[:, side, :2] = self._beside(slot, heading_rad, side)
-        self.ankles[:, :, 2] = ankle_m
+            self.ankles[known, side, :2] = self._beside(slot, heading_rad, side)
+        self.ankles[known, :, 2] = ankle_m
         self.last = 1
         self.settled_s = 0.0
 
@@ -123,9 +127,10 @@ class Feet:
         return point + half * np.array([-np.sin(heading_rad), np.cos(heading_rad)])
 
     def swing(self, step: Step, point: Array, heading_rad: float) -> None:
-        """Swing a foot to its place beside ``point`` (2,) at a heading; it stays there from then on."""
-        first, last = np.searchsorted(self._times, (step.lift_s, step.land_s))
-        span = slice(first, last)
+        """Swing a foot to its place beside ``point`` (2,) at a heading; it stays there."""
+        until = int(self._until[0])
+        first, last = (min(int(tick), until - 1) for tick in np.searchsorted(self._times, (step.lift_s, step.land_s)))
+        span, after = slice(first, last), slice(last, until)
         share = (self._times[span] - step.lift_s) / (step.land_s - step.lift_s)
         ease = smooth(share)
         origin, goal = self.ankles[first, step.side, :2].copy(), self._beside(point, heading_rad, step.side)
@@ -134,9 +139,9 @@ class Feet:
         self.ankles[span, step.side, 2] = self._ankle_m + LIFT_M * np.sin(np.pi * share) ** 2
         self.yaw[span, step.side] = yaw + ease * (heading_rad - yaw)
         self.landing[span, step.side] = step.land_s - self._times[span]
-        self.ankles[last:, step.side, :2] = goal
-        self.ankles[last:, step.side, 2] = self._ankle_m
-        self.yaw[last:, step.side] = heading_rad
+        self.ankles[after, step.side, :2] = goal
+        self.ankles[after, step.side, 2] = self._ankle_m
+        self.yaw[after, step.side] = heading_rad
         self.last = step.side
         self.settled_s = step.land_s
 
@@ -144,10 +149,7 @@ class Feet:
         """(T,) share of the weight on the left foot: all on one while the other swings, eased in between."""
         swinging = self.landing[span] > 0
         raw = np.where(swinging[:, 0], 0.0, np.where(swinging[:, 1], 1.0, 0.5))
-        kernel = np.hanning(2 * round(SHIFT_S / 2 / self._dt) + 3)[1:-1]
-        half = len(kernel) // 2
-        padded = np.concatenate([np.full(half, raw[0]), raw, np.full(half, raw[-1])])
-        return np.convolve(padded, kernel / kernel.sum(), "valid")
+        return eased(raw, self._kernel)
 
     def zmp(self, span: slice, weight: Array, ahead_m: float) -> Array:
         """(T, 2) zero-moment point: between the soles' middles, ``ahead_m`` before the ankles [m]."""
@@ -156,15 +158,40 @@ class Feet:
         return np.asarray(weight[:, None] * soles[:, 0] + (1.0 - weight[:, None]) * soles[:, 1])
 
 
-def pelvis_height(pelvis: Array, yaw: Array, ankles: Array, anatomy: Anatomy, dt_s: float) -> Array:
-    """(T,) height of the pelvis: standing height, lower where a leg could not reach, smoothly so [m]."""
-    reach = (anatomy.thigh_m + anatomy.shank_m - 0.010) ** 2
-    height = np.full(len(pelvis), anatomy.standing_m)
-    for side, sign in ((0, 1.0), (1, -1.0)):
-        hip = pelvis[:, :2] + sign * anatomy.hip_m * np.stack([-np.sin(yaw), np.cos(yaw)], axis=1)
-        flat = ((ankles[:, side, :2] - hip) ** 2).sum(axis=1)
-        height = np.minimum(height, np.sqrt(np.maximum(reach - flat, 0.04)) + ankles[:, side, 2])
-    kernel = np.hanning(2 * round(0.12 / dt_s) + 3)[1:-1]
-    half = len(kernel) // 2
-    padded = np.concatenate([np.full(half, height[0]), height, np.full(half, height[-1])])
-    return np.minimum(np.convolve(padded, kernel / kernel.sum(), "valid"), height + 0.006)
+def easing(reach_s: float, dt_s: float) -> Array:
+    """Weights (K,) of a smooth mean over so long before and after a tick."""
+    kernel = np.hanning(2 * round(reach_s / dt_s) + 3)[1:-1]
+    return np.asarray(kernel / kernel.sum())
+
+
+@njit(cache=True)
+def eased(raw: Array, kernel: Array) -> Array:
+    """(T,) smooth mean of a signal that goes on as it begins and ends."""
+    out, half, last = np.zeros_like(raw), len(kernel) // 2, len(raw) - 1
+    for t in range(len(raw)):
+        for k in range(len(kernel)):
+            out[t] += kernel[k] * raw[min(max(t + k - half, 0), last)]
+    return out
+
+
+@njit(cache=True)
+def pelvis_height(pelvis: Array, yaw: Array, ankles: Array, leg: Array, standing_m: float, kernel: Array) -> Array:
+    """(T,) height of the pelvis: standing height, lower where a leg could not reach, smoothly so [m].
+
+    Args:
+        pelvis: (T, 2 or more) place on the floor [m].
+        yaw: (T,) heading [rad].
+        ankles: (T, 2, 3) left and right [m].
+        leg: thigh, shank, half hip distance, as in `Chains.leg` [m].
+        standing_m: height of the standing pelvis.
+        kernel: weights of the smoothing.
+    """
+    reach = (leg[0] + leg[1] - 0.010) ** 2
+    height = np.full(len(yaw), standing_m)
+    for t in range(len(yaw)):
+        for side in range(2):
+            half = leg[2] if side == 0 else -leg[2]
+            x = ankles[t, side, 0] - pelvis[t, 0] + half * np.sin(yaw[t])
+            y = ankles[t, side, 1] - pelvis[t, 1] - half * np.cos(yaw[t])
+            height[t] = min(height[t], np.sqrt(max(reach - x * x - y * y, 0.04)) + ankles[t, side, 2])
+    return np.minimum(eased(height, kernel), height + 0.006)

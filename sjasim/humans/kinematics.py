@@ -18,7 +18,8 @@ from .anatomy import Chains
 def _turn(R: Array, axis: int, angle: float) -> None:
     """Right-multiply a rotation in place by a turn about one of its own axes."""
     c, s = cos(angle), sin(angle)
-    a, b = (axis + 1) % 3, (axis + 2) % 3
+    a = axis + 1 if axis < 2 else 0
+    b = axis - 1 if axis > 0 else 2
     for k in range(3):
         u, v = R[k, a], R[k, b]
         R[k, a] = c * u + s * v
@@ -27,18 +28,9 @@ def _turn(R: Array, axis: int, angle: float) -> None:
 
 @njit(cache=True)
 def place(
-    q: Array,
-    yaw: float,
-    parent: IntArray,
-    offset: Array,
-    hinge_segment: IntArray,
-    hinge_column: IntArray,
-    hinge_axis: IntArray,
-    hinge_sign: Array,
-    rotation: Array,
-    origin: Array,
-    axes: Array,
-) -> None:
+    q: Array, yaw: float, parent: IntArray, offset: Array, hinge_segment: IntArray, hinge_column: IntArray,
+    hinge_axis: IntArray, hinge_sign: Array, rotation: Array, origin: Array, axes: Array,
+) -> None:  # fmt: skip
     """Write every segment's rotation (S, 3, 3) and origin (S, 3) relative to the pelvis' position.
 
     Args:
@@ -57,27 +49,30 @@ def place(
     j = 0
     for s in range(len(parent)):
         p = parent[s]
-        if p < 0:
-            rotation[s] = np.eye(3)
-            _turn(rotation[s], 2, yaw)
-            origin[s] = 0.0
-        else:
-            rotation[s] = rotation[p]
-            for k in range(3):
+        for k in range(3):
+            for i in range(3):
+                rotation[s, k, i] = rotation[p, k, i] if p >= 0 else (1.0 if k == i else 0.0)
+            origin[s, k] = 0.0
+            if p >= 0:
                 origin[s, k] = origin[p, k] + (
                     rotation[p, k, 0] * offset[s, 0]
                     + rotation[p, k, 1] * offset[s, 1]
                     + rotation[p, k, 2] * offset[s, 2]
                 )
+        if p < 0:
+            _turn(rotation[s], 2, yaw)
         while j < len(hinge_segment) and hinge_segment[j] == s:
+            axis = hinge_axis[j]
             for k in range(3):
-                axes[j, k] = hinge_sign[j] * rotation[s, k, hinge_axis[j]]
-            _turn(rotation[s], hinge_axis[j], hinge_sign[j] * q[hinge_column[j]])
+                axes[j, k] = hinge_sign[j] * rotation[s, k, axis]
+            angle = q[hinge_column[j]]
+            if angle != 0.0:
+                _turn(rotation[s], axis, hinge_sign[j] * angle)
             j += 1
 
 
 @njit(cache=True)
-def com_offsets(
+def _com_offsets(
     q: Array,
     yaw: Array,
     parent: IntArray,
@@ -89,7 +84,6 @@ def com_offsets(
     hinge_axis: IntArray,
     hinge_sign: Array,
 ) -> Array:
-    """(T, 3) centre of mass relative to the pelvis, in world axes, for (T, 25) postures of an upright pelvis [m]."""
     out = np.zeros((len(q), 3))
     rotation = np.zeros((len(parent), 3, 3))
     origin = np.zeros((len(parent), 3))
@@ -110,8 +104,20 @@ def com_offsets(
     return out
 
 
+def com_offsets(chains: Chains, q: Array, yaw: Array) -> Array:
+    """(T, 3) centre of mass relative to the pelvis, in world axes, for (T, 25) postures of an upright pelvis [m]."""
+    c = chains
+    return np.asarray(
+        _com_offsets(
+            q, yaw, c.parent, c.offset, c.mass, c.centre, c.hinge_segment, c.hinge_column, c.hinge_axis, c.hinge_sign
+        )
+    )
+
+
 @njit(cache=True)
-def _leg(hip: Array, yaw: float, ankle: Array, foot_yaw: float, thigh: float, shank: float, out: Array) -> None:
+def _leg(
+    hip: Array, yaw: float, ankle: Array, foot_yaw: float, thigh: float, shank: float, R: Array, out: Array
+) -> None:
     c, s = cos(foot_yaw), sin(foot_yaw)
     dx, dy, z = hip[0] - ankle[0], hip[1] - ankle[1], hip[2] - ankle[2]
     x, y = c * dx + s * dy, c * dy - s * dx
@@ -120,7 +126,9 @@ def _leg(hip: Array, yaw: float, ankle: Array, foot_yaw: float, thigh: float, sh
     lean = asin(max(-1.0, min(1.0, thigh / reach * sin(knee))))
     ankle_x = atan2(y, z)
     ankle_y = -atan2(x, sqrt(y * y + z * z)) - lean
-    R = np.eye(3)
+    for k in range(3):
+        for i in range(3):
+            R[k, i] = 1.0 if k == i else 0.0
     _turn(R, 2, foot_yaw - yaw)
     _turn(R, 0, -ankle_x)
     _turn(R, 1, -ankle_y - knee)
@@ -148,15 +156,14 @@ def legs(pelvis: Array, yaw: Array, ankles: Array, foot_yaw: Array, leg: Array, 
         q: (T, 25) output, leg columns only [rad].
         columns: (2, 6) columns of the left and right leg in ``q``.
     """
-    hip = np.zeros(3)
-    angles = np.zeros(6)
+    hip, angles, R = np.zeros(3), np.zeros(6), np.zeros((3, 3))
     for t in range(len(pelvis)):
         for side in range(2):
             half = leg[2] if side == 0 else -leg[2]
             hip[0] = pelvis[t, 0] - half * sin(yaw[t])
             hip[1] = pelvis[t, 1] + half * cos(yaw[t])
             hip[2] = pelvis[t, 2]
-            _leg(hip, yaw[t], ankles[t, side], foot_yaw[t, side], leg[0], leg[1], angles)
+            _leg(hip, yaw[t], ankles[t, side], foot_yaw[t, side], leg[0], leg[1], R, angles)
             for k in range(6):
                 q[t, columns[side, k]] = angles[k]
 

@@ -20,7 +20,7 @@ from ..errors import ConfigError
 from ..types import Array, Cue, Move
 from . import arms, footsteps
 from .anatomy import Anatomy
-from .dynamics import hinge_torques
+from .dynamics import hinge_torques, masses
 from .kinematics import com_offsets, legs
 from .profile import SHORTEST_S, SpeedProfile, smooth, speed_profile
 from .reference import Reference
@@ -36,13 +36,19 @@ LEAN_LEAD_S = 0.10
 """And does so this early: people lean before they step (assumed)."""
 SHORTEST_TURN_S = 1.0
 """Four steps of a turn take at least so long [s] (assumed)."""
-LAGS_S = {Move.FORWARD: (0.001, 0.006), Move.BACKWARD: (0.006, 0.013)}
+EASE_SHARE = 0.15
+"""In a turn the pelvis follows the balance rather than a line; it passes over to it, and back, in this share of it."""
+HEIGHT_EASE_S = 0.12
+"""The pelvis goes down before a long step, and up after it, within this time (assumed)."""
+STANDING_ROWS = 2
+"""A plan begins with so many rows of standing."""
+LAGS_S = {Move.FORWARD: (-0.006, 0.0), Move.BACKWARD: (0.003, 0.009)}
 """How late bodies cross the onset speed behind their plan at a start and at a stop [s]; the plan leads by as much.
 
-Measured on nine builds over the whole range, moves of .8, 2 and 3 s.
+Measured on six builds over the whole range, which dance with people's jitter.
 """
-SETTLE_S = 1.5
-"""After the last touch-down a plan stands still within this time."""
+AFTER_S = 1.6
+"""So long after its end a move has come to rest: the feet stand, the arms hang, the sway is gone (assumed)."""
 
 
 @njit(cache=True)
@@ -87,41 +93,49 @@ class Planner:
     ) -> None:
         self._anatomy = anatomy
         self._chains = anatomy.chains()
-        self._poses = arms.arm_poses()
+        self._poses = arms.arm_poses(anatomy.model)
         self._slot: Array = np.asarray(slot, dtype=np.float64)
         self._move_m, self._turn_rad = move_m, turn_rad
         self._dt = 1.0 / rate_hz
         self._ahead = 0.026 * anatomy.build.stature_m
+        self._share: Array = self._chains.point_mass / self._chains.point_mass.sum()
         self._heading = heading_rad
         self._at = self._slot
         self._busy_until_s = 0.0
         ticks = len(reference.yaw)
         self._times: Array = np.arange(ticks, dtype=np.float64) * self._dt
-        self._arms = np.tile(self._poses.stand, (ticks, 2))
+        self._arms = np.zeros((ticks, 8))
         self._trunk = np.zeros(ticks)
-        self._path: Array = np.tile(self._slot, (ticks, 1))
-        self._axis = np.full(ticks, heading_rad)
-        self._free = np.zeros(ticks, dtype=bool)
+        self._path = np.zeros((ticks, 2))
+        self._axis = np.zeros(ticks)
+        self._free = np.zeros(ticks)
         self._com = np.zeros((ticks, 2))
         self._omega = float(np.sqrt(GRAVITY / (1.04 * anatomy.standing_m)))
-        self._reference = reference
-        self._yaw = reference.yaw
-        self._yaw[:] = heading_rad
+        self._kernel = footsteps.easing(HEIGHT_EASE_S, self._dt)
+        self._reference = r = reference
+        self._columns = (
+            self._arms, self._trunk, self._path, self._axis, self._free, self._com, r.joints, r.pelvis, r.yaw, r.dcm,
+            r.weight, r.ankles, r.foot_yaw, r.landing, r.torque,
+        )  # fmt: skip
+        r.until[:] = STANDING_ROWS
         self._steps = footsteps.Feet(self._slot, heading_rad, anatomy.hip_m, anatomy.ankle_m, self._times, reference)
         self._stand(heading_rad)
 
     def _stand(self, heading_rad: float) -> None:
         """Find the posture at rest and how far the pelvis is ahead of the ankles in it."""
         posture = np.zeros((1, 25))
-        posture[:, ARM_COLUMNS] = self._arms[:1]
+        posture[:, ARM_COLUMNS] = np.tile(self._poses.stand, 2)
         half, ankle = self._anatomy.hip_m, self._anatomy.ankle_m
         flat = np.array([[[0.0, half, ankle], [0.0, -half, ankle]]])
         pelvis = np.array([[0.0, 0.0, self._anatomy.standing_m]])
         for _ in range(5):
             legs(pelvis, np.zeros(1), flat, np.zeros((1, 2)), self._chains.leg, posture, LEG_COLUMNS)
-            pelvis[0, 0] = self._ahead - float(self._offsets(posture, np.zeros(1))[0, 0])
+            pelvis[0, 0] = self._ahead - float(com_offsets(self._chains, posture, np.zeros(1))[0, 0])
         self._lean = float(pelvis[0, 0])
-        self._com[:] = self._slot + self._ahead * _unit(heading_rad)
+        known = slice(0, STANDING_ROWS)
+        self._arms[known] = posture[0, ARM_COLUMNS]
+        self._path[known], self._axis[known], self._reference.yaw[known] = self._slot, heading_rad, heading_rad
+        self._com[known] = self._slot + self._ahead * _unit(heading_rad)
         self._solve(0)
 
     @property
@@ -139,17 +153,30 @@ class Planner:
         Raises:
             ConfigError: a cue lies in the past, begins before the one before it has ended, or is too short.
         """
+        first: int | None = None
         for cue in cues:
             self._check(cue, now_s)
+            begin = int(max(now_s, cue.t_s - PREVIEW_S) / self._dt)
+            self._rest_until(int((cue.t_s + cue.duration_s + AFTER_S) / self._dt))
+            window = slice(min(begin, int(self._reference.until[0]) - 2), int(self._reference.until[0]))
             if cue.move in (Move.FORWARD, Move.BACKWARD):
-                self._walk(cue, now_s)
+                self._walk(cue, now_s, window)
             elif cue.move is Move.TURN:
-                self._turn(cue)
+                self._turn(cue, window)
             elif cue.move is Move.CLAP:
-                arms.clap(self._arms, self._times, cue.t_s, self._poses)
+                arms.clap(self._arms[window], self._times[window], cue.t_s, self._poses)
             self._busy_until_s = cue.t_s + cue.duration_s
-        if cues:
-            self._solve(max(0, int(max(now_s, cues[0].t_s - PREVIEW_S) / self._dt)))
+            first = window.start if first is None else first
+        if first is not None:
+            self._solve(first)
+
+    def _rest_until(self, row: int) -> None:
+        """Plan rest up to a row, if it is not planned already."""
+        known, row = int(self._reference.until[0]), min(row, len(self._times))
+        if row > known:
+            for column in self._columns:
+                column[known:row] = column[known - 1]
+            self._reference.until[0] = row
 
     def _check(self, cue: Cue, now_s: float) -> None:
         name = f"{cue.dancer}: {cue.move} cue"
@@ -162,7 +189,7 @@ class Planner:
         if not shortest <= cue.duration_s < np.inf:
             raise ConfigError(f"{name}.duration_s", cue.duration_s, f"{shortest:g} s or longer")
 
-    def _walk(self, cue: Cue, now_s: float) -> None:
+    def _walk(self, cue: Cue, now_s: float, window: slice) -> None:
         sign = 1.0 if cue.move is Move.FORWARD else -1.0
         ahead = float((self._at - self._slot) @ _unit(self._heading))
         wanted = self._move_m - ahead if cue.move is Move.FORWARD else ahead
@@ -170,71 +197,59 @@ class Planner:
         start_s = cue.t_s - start_lag
         profile = speed_profile(max(wanted, 0.0), cue.duration_s + start_lag - stop_lag)
         way = sign * _unit(self._heading)
-        moving = self._times > start_s - profile.rise_s
-        self._path[moving] += profile.travelled(self._times[moving] - start_s)[:, None] * way
+        since = self._times[window] - start_s
+        self._path[window] += profile.travelled(since)[:, None] * way
         plan = footsteps.walk(profile, start_s, self._steps.last, max(self._steps.settled_s, now_s))
         for step in plan.steps:
             self._steps.swing(step, self._at + step.along * way, self._heading)
         self._at = self._at + profile.distance_m * way
-        since = self._times + LEAN_LEAD_S - start_s
-        near = (since > -profile.rise_s) & (since < profile.duration_s + profile.rise_s)
-        self._trunk[near] += sign * LEAN_S_M * profile.speed(since[near])
-        self._swing_arms(start_s, profile, plan)
+        self._trunk[window] += sign * LEAN_S_M * profile.speed(since + LEAN_LEAD_S)
+        self._swing_arms(start_s, profile, plan, window)
 
-    def _swing_arms(self, start_s: float, profile: SpeedProfile, plan: footsteps.Walk) -> None:
-        span = (self._times >= plan.start_s) & (self._times <= plan.end_s)
-        speed = profile.speed(self._times[span] - start_s)
-        swing = -np.cos(np.pi * (self._times[span] - plan.start_s) / plan.step_s)
-        arms.walk(self._arms, span, speed, swing if plan.steps[0].side == 1 else -swing)
+    def _swing_arms(self, start_s: float, profile: SpeedProfile, plan: footsteps.Walk, window: slice) -> None:
+        times = self._times[window]
+        span = (times >= plan.start_s) & (times <= plan.end_s)
+        speed = profile.speed(times[span] - start_s)
+        swing = -np.cos(np.pi * (times[span] - plan.start_s) / plan.step_s)
+        arms.walk(self._arms[window], span, speed, swing if plan.steps[0].side == 1 else -swing)
 
-    def _turn(self, cue: Cue) -> None:
-        after = self._times >= cue.t_s
-        since = (self._times[after] - cue.t_s) / cue.duration_s
-        self._yaw[after] = self._heading + self._turn_rad * smooth(since)
+    def _turn(self, cue: Cue, window: slice) -> None:
+        since = (self._times[window] - cue.t_s) / cue.duration_s
+        self._reference.yaw[window] = self._heading + self._turn_rad * smooth(since)
         for step in footsteps.turn(cue.t_s, cue.duration_s, self._steps.settled_s):
             self._steps.swing(step, self._at, self._heading + self._turn_rad * step.along)
         self._heading += self._turn_rad
-        self._axis[after] = self._heading
-        self._free[after] = since <= 1.0
-
-    def _offsets(self, joints: Array, yaw: Array) -> Array:
-        c = self._chains
-        return np.asarray(
-            com_offsets(
-                joints, yaw, c.parent, c.offset, c.mass, c.centre, c.hinge_segment, c.hinge_column,
-                c.hinge_axis, c.hinge_sign,
-            )
-        )  # fmt: skip
+        self._axis[window][since >= 0.5] = self._heading
+        self._free[window] = smooth(since / EASE_SHARE) * smooth((1.0 - since) / EASE_SHARE)
 
     def _solve(self, first: int) -> None:
-        """Redo centre of mass, pelvis and joints from a tick on; after the last step all stands still."""
+        """Redo centre of mass, pelvis and joints from a row on, to the last that is planned."""
         r = self._reference
-        settled = int((max(self._steps.settled_s, self._busy_until_s) + SETTLE_S) / self._dt)
-        last = min(len(self._times), max(first + 2, settled))
-        span = slice(first, last)
-        weight = self._steps.weight(span)
+        span = slice(first, int(r.until[0]))
+        yaw, ankles, weight = self._reference.yaw[span], r.ankles[span], self._steps.weight(span)
         com = _pendulum(self._steps.zmp(span, weight, self._ahead), self._omega * self._dt, self._com[first])
         axis = np.stack([np.cos(self._axis[span]), np.sin(self._axis[span])], axis=1)
         along = ((self._path[span] * axis).sum(axis=1, keepdims=True) + self._lean) * axis
         free = self._free[span][:, None]
-        joints = np.zeros((last - first, 25))
+        joints = np.zeros((len(yaw), 25))
         joints[:, ARM_COLUMNS] = self._arms[span]
         joints[:, ACTUATED_INDEX["abdomen_y"]] = self._trunk[span]
-        offset = np.zeros((last - first, 2))
-        pelvis = np.empty((last - first, 3))
-        for _ in range(2):
+        pelvis, offset = np.empty((len(yaw), 3)), (self._ahead - self._lean) * axis
+        for final in (False, True):
             loose = com - offset
             across = loose - (loose * axis).sum(axis=1, keepdims=True) * axis
-            pelvis[:, :2] = np.where(free, loose, across + along)
-            pelvis[:, 2] = footsteps.pelvis_height(pelvis, self._yaw[span], r.ankles[span], self._anatomy, self._dt)
-            legs(pelvis, self._yaw[span], r.ankles[span], r.foot_yaw[span], self._chains.leg, joints, LEG_COLUMNS)
-            offset = self._offsets(joints, self._yaw[span])[:, :2]
-        real = pelvis[:, :2] + offset
+            pelvis[:, :2] = free * loose + (1.0 - free) * (across + along)
+            pelvis[:, 2] = footsteps.pelvis_height(
+                pelvis, yaw, ankles, self._chains.leg, self._anatomy.standing_m, self._kernel
+            )
+            legs(pelvis, yaw, ankles, r.foot_yaw[span], self._chains.leg, joints, LEG_COLUMNS)
+            if not final:
+                offset = com_offsets(self._chains, joints, yaw)[:, :2]
+        placed = masses(self._chains, joints, pelvis, yaw)
+        real = np.asarray(self._share @ placed[2])[:, :2]
         r.joints[span], r.pelvis[span], r.weight[span], self._com[span] = joints, pelvis, weight, com
         r.dcm[span] = real + np.gradient(real, self._dt, axis=0) / self._omega
-        r.torque[span] = hinge_torques(self._chains, joints, pelvis, self._yaw[span], r.ankles[span], weight, self._dt)
-        for array in (r.joints, r.pelvis, r.torque, r.weight, r.dcm, self._com):
-            array[last:] = array[last - 1]
+        r.torque[span] = hinge_torques(self._chains, placed, ankles, weight, self._dt)
 
 
 def _unit(angle: float) -> Array:

@@ -14,8 +14,8 @@ from ..types import Array
 
 ONSET_M_S = 0.10
 """Speed whose crossing is the true start or stop of a move [m/s]."""
-RAMP_S = 0.60
-"""Length of a ramp from rest to cruising speed [s]; .05 to .25 m/s then takes under .3 s."""
+RAMP_S = 0.50
+"""Length of a ramp from rest to cruising speed [s]; .05 to .25 m/s then takes a quarter of a second."""
 SLOWEST_M_S = 0.27
 """People who take longer walk farther rather than creep [m/s]."""
 FASTEST_M_S = 0.45

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..types import Array
+from ..types import Array, IntArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +23,8 @@ class Reference:
         foot_yaw: (T, 2) [rad].
         landing: (T, 2) time until a swinging foot lands [s]; 0 for a standing one.
         torque: (T, 25) hinge torques that the motion takes [Nm].
+        until: (1,) how many rows are planned; whoever reads on finds the dancer at rest in the last of them. For all
+            dancers (D,).
     """
 
     joints: Array
@@ -34,12 +36,13 @@ class Reference:
     foot_yaw: Array
     landing: Array
     torque: Array
+    until: IntArray
 
     @classmethod
     def empty(cls, dancers: int, ticks: int) -> Reference:
         """All zero, with a leading axis for the dancers."""
         shapes = ((25,), (3,), (), (2,), (), (2, 3), (2,), (2,), (25,))
-        return cls(*(np.zeros((dancers, ticks, *shape)) for shape in shapes))
+        return cls(*(np.zeros((dancers, ticks, *shape)) for shape in shapes), np.zeros(dancers, dtype=np.int64))
 
     def of(self, dancer: int) -> Reference:
         """One dancer's rows, as views: writing to them writes to all."""
@@ -53,4 +56,5 @@ class Reference:
             self.foot_yaw[dancer],
             self.landing[dancer],
             self.torque[dancer],
+            self.until[dancer : dancer + 1],
         )

@@ -9,7 +9,6 @@ dm-control has no packages for Python 3.13 and newer; there this module cannot b
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from typing import Any
 
@@ -17,6 +16,7 @@ import mujoco
 import numpy as np
 
 from ..errors import SjasimError
+from .guard import explained
 
 try:
     import dm_env
@@ -24,8 +24,7 @@ try:
     from dm_control.mujoco.wrapper import MjData
     from dm_env import specs
 except ImportError as missing:
-    reason = "dm-control supports Python up to 3.12 only" if sys.version_info >= (3, 13) else "pip install dm-control"
-    raise ImportError(f"sjasim.interop needs dm_control, which cannot be imported: {reason} ({missing})") from missing
+    raise explained(missing) from missing
 
 
 class DanceEnvironment(dm_env.Environment):  # type: ignore[misc]

@@ -17,10 +17,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..choreography.layout import Mount
+from ..rays.primitives import BOX, CAPSULE, CYLINDER, ELLIPSOID, PLANE, TINY, meet, normal
 from ..types import Array, Geoms, IntArray
-
-PLANE, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX = 0, 2, 3, 4, 5, 6
-"""Codes of `Geoms.form`, as MuJoCo numbers them."""
 
 NEAR_M = 0.05
 """A geom this near to the image plane is tested against every pixel."""
@@ -81,119 +79,39 @@ def _span(across: float, ahead: float, radius: float, focal: float, middle: floa
 
 
 @njit(cache=True, error_model="numpy")
-def _quadric(a: float, b: float, c: float) -> float:
-    """Smaller root of a t^2 + 2 b t + c, or -1 where there is none before the eye."""
-    root = b * b - a * c
-    if root < 0.0 or a < 1e-15:
-        return -1.0
-    return (-b - math.sqrt(root)) / a
-
-
-@njit(cache=True, error_model="numpy")
-def _capsule(p: tuple[float, float, float], d: tuple[float, float, float], radius: float, half: float) -> float:
-    t = _quadric(d[0] * d[0] + d[1] * d[1], p[0] * d[0] + p[1] * d[1], p[0] * p[0] + p[1] * p[1] - radius * radius)
-    along = p[2] + t * d[2]
-    if t > 0.0 and abs(along) <= half:
-        return float(t)
-    best = -1.0
-    square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
-    for end in (-half, half):
-        z = p[2] - end
-        t = _quadric(square, p[0] * d[0] + p[1] * d[1] + z * d[2], p[0] * p[0] + p[1] * p[1] + z * z - radius * radius)
-        beyond = (p[2] + t * d[2]) * end >= half * abs(end)
-        if t > 0.0 and beyond and (best < 0.0 or t < best):
-            best = t
-    return best
-
-
-@njit(cache=True, error_model="numpy")
-def _cylinder(p: tuple[float, float, float], d: tuple[float, float, float], radius: float, half: float) -> float:
-    t = _quadric(d[0] * d[0] + d[1] * d[1], p[0] * d[0] + p[1] * d[1], p[0] * p[0] + p[1] * p[1] - radius * radius)
-    best = t if t > 0.0 and abs(p[2] + t * d[2]) <= half else -1.0
-    if abs(d[2]) > 1e-12:
-        t = (-half if d[2] > 0.0 else half) / d[2] - p[2] / d[2]
-        x, y = p[0] + t * d[0], p[1] + t * d[1]
-        if t > 0.0 and x * x + y * y <= radius * radius and (best < 0.0 or t < best):
-            best = t
-    return best
-
-
-@njit(cache=True, error_model="numpy")
-def _box(p: tuple[float, float, float], d: tuple[float, float, float], size: Array) -> float:
-    enter, leave = -np.inf, np.inf
-    for k in range(3):
-        if abs(d[k]) < 1e-15:
-            if abs(p[k]) > size[k]:
-                return -1.0
-            continue
-        first, last = (-size[k] - p[k]) / d[k], (size[k] - p[k]) / d[k]
-        enter = max(enter, min(first, last))
-        leave = min(leave, max(first, last))
-    return enter if enter <= leave else -1.0
-
-
-@njit(cache=True, error_model="numpy")
-def _hit(form: int, p: tuple[float, float, float], d: tuple[float, float, float], size: Array) -> float:
-    """Where a ray from ``p`` along ``d``, both in the geom's frame, enters it; not positive where it does not."""
-    if form == CAPSULE:
-        return float(_capsule(p, d, size[0], size[1]))
-    if form == CYLINDER:
-        return float(_cylinder(p, d, size[0], size[1]))
-    if form == BOX:
-        return float(_box(p, d, size))
-    x, y, z = (size[0], size[0], size[0]) if form == SPHERE else (size[0], size[1], size[2])
-    px, py, pz, dx, dy, dz = p[0] / x, p[1] / y, p[2] / z, d[0] / x, d[1] / y, d[2] / z
-    c = px * px + py * py + pz * pz - 1.0
-    return float(_quadric(dx * dx + dy * dy + dz * dz, px * dx + py * dy + pz * dz, c))
-
-
-@njit(cache=True, error_model="numpy")
-def _facing(form: int, q: tuple[float, float, float], d: tuple[float, float, float], size: Array) -> float:
-    """Cosine of incidence at a surface point ``q`` of the geom's frame, for a ray along ``d``."""
-    x, y, z = q
-    if form == CAPSULE:
-        z -= min(max(z, -size[1]), size[1])
-    elif form == CYLINDER:
-        if abs(z) > size[1] * (1.0 - 1e-9) and x * x + y * y < size[0] * size[0] * (1.0 - 1e-9):
-            x, y = 0.0, 0.0
-        else:
-            z = 0.0
-    elif form == BOX:
-        a, b, c = abs(abs(x) - size[0]), abs(abs(y) - size[1]), abs(abs(z) - size[2])
-        x, y, z = (1.0, 0.0, 0.0) if a <= b and a <= c else ((0.0, 1.0, 0.0) if b <= c else (0.0, 0.0, 1.0))
-    elif form == ELLIPSOID:
-        x, y, z = x / (size[0] * size[0]), y / (size[1] * size[1]), z / (size[2] * size[2])
-    normal = math.sqrt(x * x + y * y + z * z)
-    length = math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
-    return abs(x * d[0] + y * d[1] + z * d[2]) / (normal * length)
-
-
-@njit(cache=True, error_model="numpy")
 def _floor(
     g: int, at: Array, turn: Array, size: Array, fx: float, fy: float, depth: Array, geom: Array, facing: Array
 ) -> None:
-    """Cast every pixel at a plane; it is seen from its front only, and as far as its size says."""
+    """Cast every pixel at a plane; it is seen from its front only, and as far as its size says.
+
+    `rays.primitives.plane` in other words: row by row and without a branch, so that many pixels are cast at once.
+    """
     height, width = depth.shape
-    middle_u, middle_v = (width - 1) / 2, (height - 1) / 2
+    middle_u, middle_v, per_x = (width - 1) / 2, (height - 1) / 2, 1.0 / fx
     above = -(turn[0, 2] * at[0] + turn[1, 2] * at[1] + turn[2, 2] * at[2])
-    if above <= 0.0:
+    if above < 0.0:
         return
+    wide, long = size[0] if size[0] > 0.0 else np.inf, size[1] if size[1] > 0.0 else np.inf
+    start_x = turn[0, 0] * at[0] + turn[1, 0] * at[1] + turn[2, 0] * at[2]
+    start_y = turn[0, 1] * at[0] + turn[1, 1] * at[1] + turn[2, 1] * at[2]
+    slope_x, slope_y, slope_z = turn[0, 0], turn[0, 1], turn[0, 2]
+    far, cosine = np.empty(width), np.empty(width)
     for v in range(height):
         y = (middle_v - v) / fy
+        row_x, row_y = turn[1, 0] * y + turn[2, 0], turn[1, 1] * y + turn[2, 1]
+        row_z, square = turn[1, 2] * y + turn[2, 2], y * y + 1.0
+        if row_z - abs(slope_z) * middle_u * per_x > -TINY:
+            continue
         for u in range(width):
-            x = (u - middle_u) / fx
-            down = turn[0, 2] * x + turn[1, 2] * y + turn[2, 2]
-            if down > -1e-15:
-                continue
+            x = (u - middle_u) * per_x
+            down = slope_z * x + row_z
             t = -above / down
-            if t >= depth[v, u]:
-                continue
-            dx, dy, dz = t * x - at[0], t * y - at[1], t - at[2]
-            across = abs(turn[0, 0] * dx + turn[1, 0] * dy + turn[2, 0] * dz)
-            along = abs(turn[0, 1] * dx + turn[1, 1] * dy + turn[2, 1] * dz)
-            if (size[0] <= 0.0 or across <= size[0]) and (size[1] <= 0.0 or along <= size[1]):
-                depth[v, u], geom[v, u] = t, g
-                facing[v, u] = -down / math.sqrt(x * x + y * y + 1.0)
+            across, along = abs(t * (slope_x * x + row_x) - start_x), abs(t * (slope_y * x + row_y) - start_y)
+            far[u] = t if (down < -TINY) & (across <= wide) & (along <= long) else np.inf
+            cosine[u] = -down / math.sqrt(x * x + square)
+        for u in range(width):
+            if far[u] < depth[v, u]:
+                depth[v, u], geom[v, u], facing[v, u] = far[u], g, cosine[u]
 
 
 @njit(cache=True, error_model="numpy")
@@ -249,11 +167,11 @@ def cast(
     middle_u, middle_v = (width - 1) / 2, (height - 1) / 2
     depth[:], geom[:], facing[:] = np.inf, -1, 0.0
     for g in range(len(form)):
-        at, turn, own = position[g], rotation[g], size[g]
-        if form[g] == PLANE:
+        at, turn, own, kind = position[g], rotation[g], size[g], form[g]
+        if kind == PLANE:
             _floor(g, at, turn, own, fx, fy, depth, geom, facing)
             continue
-        left, right, top, bottom = _bounds(form[g], at, turn, own, fx, fy, (height, width))
+        left, right, top, bottom = _bounds(kind, at, turn, own, fx, fy, (height, width))
         px = -(turn[0, 0] * at[0] + turn[1, 0] * at[1] + turn[2, 0] * at[2])
         py = -(turn[0, 1] * at[0] + turn[1, 1] * at[1] + turn[2, 1] * at[2])
         pz = -(turn[0, 2] * at[0] + turn[1, 2] * at[1] + turn[2, 2] * at[2])
@@ -262,11 +180,13 @@ def cast(
             ax, ay, az = turn[1, 0] * y + turn[2, 0], turn[1, 1] * y + turn[2, 1], turn[1, 2] * y + turn[2, 2]
             for u in range(left, right + 1):
                 x = (u - middle_u) / fx
-                d = (turn[0, 0] * x + ax, turn[0, 1] * x + ay, turn[0, 2] * x + az)
-                t = _hit(form[g], (px, py, pz), d, own)
-                if 0.0 < t < depth[v, u]:
+                dx, dy, dz = turn[0, 0] * x + ax, turn[0, 1] * x + ay, turn[0, 2] * x + az
+                t = meet(kind, own, px, py, pz, dx, dy, dz)
+                if t < depth[v, u]:
+                    nx, ny, nz = normal(kind, own, px + t * dx, py + t * dy, pz + t * dz)
+                    square = (nx * nx + ny * ny + nz * nz) * (x * x + y * y + 1.0)
                     depth[v, u], geom[v, u] = t, g
-                    facing[v, u] = _facing(form[g], (px + t * d[0], py + t * d[1], pz + t * d[2]), d, own)
+                    facing[v, u] = abs(nx * dx + ny * dy + nz * dz) / math.sqrt(square)
 
 
 class Camera:

@@ -20,14 +20,13 @@ from numpy.typing import NDArray
 from ..assets.names import JOINTS
 from ..errors import SjasimError
 from ..types import Array
+from .forest import packed
 
 VERSION = 1
 """Of the file's meaning; a file of another version is refused."""
-EXTRAS = 9
-"""Features beyond the probes: height, x and z from the trunk, chest width, scale; then, for the joints' forest only,
-steps forward and to the left of the trunk, cosine and sine of the yaw."""
-YAW_EXTRAS = 5
 MILLI = 0.001
+SPREAD_M = 0.004
+"""Unit of spreads."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +46,7 @@ class Model:
         roots: (T,) first nodes of the trees.
         joint: (L, K) joints that a leaf votes for.
         offset: (L, K, 3) from the pixel's point forward, up and to the left in the person's frame [mm].
-        spread: (L, K) standard deviation of the offset [4 mm].
+        spread: (L, K) standard deviation of the offset, smallest first [4 mm].
         yaw_feature: (M,) the same for the forest of yaws.
         yaw_threshold: (M,) the same.
         yaw_left: (M,) the same.
@@ -149,40 +148,26 @@ def default() -> Model:
 
 
 @dataclass(frozen=True, slots=True)
-class Trees:
-    """One forest, packed for speed: a node is a line of the cache.
-
-    Attributes:
-        node: (N, 8) threshold, the four numbers of its probe [m], left child (-1 - its number for a leaf), right
-            child, and what it asks: 0 for a probe with one end, 1 for one with two, 2 + k for extra feature k.
-        roots: (T,) first nodes.
-    """
-
-    node: NDArray[np.float32]
-    roots: NDArray[np.int32]
-
-
-@dataclass(frozen=True, slots=True)
 class Unpacked:
     """A model in the types that the kernels take.
 
     Attributes:
-        joints: the forest that votes for joints.
-        joint: (L, K) joints that a leaf votes for.
-        offset: (L, K, 3) [m].
-        spread: (L, K) [m].
-        yaws: the forest that votes for the yaw.
+        nodes: (N, 8) of the forest that votes for joints, see `forest.descend`.
+        roots: (T,) its first nodes.
+        votes: (L, K, 5) of its leaves, the surest first: offset forward, up and to the left [mm], spread [4 mm], joint.
+        yaw_nodes: (M, 8) of the forest that votes for the yaw.
+        yaw_roots: (S,) its first nodes.
         yaw_vote: (V, 2) cosine and sine.
         support: (25,) threshold of a tracked joint.
         posture: (R, 75) regression.
         mean: (25, 3) mean posture [m].
     """
 
-    joints: Trees
-    joint: NDArray[np.int32]
-    offset: NDArray[np.float32]
-    spread: NDArray[np.float32]
-    yaws: Trees
+    nodes: NDArray[np.int16]
+    roots: NDArray[np.int32]
+    votes: NDArray[np.int16]
+    yaw_nodes: NDArray[np.int16]
+    yaw_roots: NDArray[np.int32]
     yaw_vote: NDArray[np.float32]
     support: Array
     posture: Array
@@ -191,24 +176,11 @@ class Unpacked:
 
 def unpacked(model: Model) -> Unpacked:
     """Prepare a model for use."""
-    m, f4, i4 = model, np.float32, np.int32
-    joints = Trees(_packed(m.probes, m.feature, m.threshold, m.left, m.right), m.roots.astype(i4))
-    yaws = Trees(_packed(m.probes, m.yaw_feature, m.yaw_threshold, m.yaw_left, m.yaw_right), m.yaw_roots.astype(i4))
+    m = model
+    nodes, roots = packed(m.probes, m.feature, m.threshold, m.left, m.right, m.roots)
+    yaw_nodes, yaw_roots = packed(m.probes, m.yaw_feature, m.yaw_threshold, m.yaw_left, m.yaw_right, m.yaw_roots)
+    votes = np.concatenate([m.offset, m.spread[..., None], m.joint[..., None]], axis=2, dtype=np.int16)
     return Unpacked(
-        joints, m.joint.astype(i4), m.offset.astype(f4) * f4(MILLI), m.spread.astype(f4) * f4(4 * MILLI), yaws,
-        m.yaw_vote.astype(f4) / f4(127), m.support.astype(float), m.posture.astype(float), m.mean.astype(float),
+        nodes, roots, votes, yaw_nodes, yaw_roots, m.yaw_vote.astype(np.float32) / np.float32(127),
+        m.support.astype(float), m.posture.astype(float), m.mean.astype(float),
     )  # fmt: skip
-
-
-def _packed(
-    probes: NDArray[np.float16], feature: NDArray[np.uint8], threshold: NDArray[np.float16], left: NDArray[np.int16],
-    right: NDArray[np.int16],
-) -> NDArray[np.float32]:  # fmt: skip
-    node = np.zeros((len(feature), 8), np.float32)
-    asks = feature.astype(np.int64)
-    extra = asks >= len(probes)
-    probe = probes.astype(np.float32)[np.where(extra, 0, asks)]
-    node[:, 0], node[:, 5], node[:, 6] = threshold, left, right
-    node[:, 1:5] = np.where(extra[:, None], 0.0, probe)
-    node[:, 7] = np.where(extra, 2 + asks - len(probes), (probe[:, 2:] != 0.0).any(axis=1))
-    return node

@@ -15,8 +15,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..rays.primitives import PLANE
 from ..types import IntArray
-from .camera import PLANE, Picture
+from .camera import Picture
 
 LATERAL_M = 0.0016
 """Standard deviation of where on the surface a pixel looks. Source: fankhauser2015."""
@@ -58,26 +59,26 @@ def _normal(bits: np.uint64) -> float:
 
 
 @njit(cache=True)
-def axial_m(depth_m: float, incidence_rad: float) -> float:
-    """Standard deviation of depth at an angle of incidence [m].
+def axial_m(depth_m: float, slant: float) -> float:
+    """Standard deviation of depth [m], for an angle of incidence theta with (theta / (pi/2 - theta))^2 = ``slant``.
 
     Source: fankhauser2015, eq. (6), without its term for sunlight; at most `MOST_AXIAL_M`.
     """
-    ratio = incidence_rad / (math.pi / 2 - incidence_rad)
-    slant = 0.1 * depth_m * math.sqrt(depth_m) * ratio * ratio
-    return min(0.001 * (1.5 - 0.5 * depth_m + 0.3 * depth_m * depth_m + slant), MOST_AXIAL_M)
+    aside = 0.1 * depth_m * math.sqrt(depth_m) * slant
+    return min(0.001 * (1.5 - 0.5 * depth_m + 0.3 * depth_m * depth_m + aside), MOST_AXIAL_M)
 
 
-@njit(cache=True)
-def _solid(geom: NDArray[np.int16], flat: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(H + 2, W + 2) whether pixels show something that is no floor, with a frame of nothing around them."""
-    height, width = geom.shape
-    out = np.zeros((height + 2, width + 2), np.bool_)
-    for v in range(height):
-        for u in range(width):
-            g = geom[v, u]
-            out[v + 1, u + 1] = g >= 0 and not flat[g]
-    return out
+def _slants() -> NDArray[np.float32]:
+    """``slant`` of `axial_m` by the cosine of incidence, in steps of 1 / `_STEPS`; grazing beyond `GRAZING_RAD`."""
+    angle = np.minimum(np.arccos(np.arange(_STEPS + 1) / _STEPS), GRAZING_RAD)
+    return np.asarray((angle / (math.pi / 2 - angle)) ** 2, dtype=np.float32)
+
+
+_STEPS = 2048
+_SLANTS = _slants()
+_GRAZING = math.cos(GRAZING_RAD)
+_WIGGLES_M = (WIGGLE_M * np.sin(2.0 * np.pi * np.arange(0.0, 12.0, 0.01) / WIGGLE_PERIOD_M)).astype(np.float32)
+"""The distance error by centimetres; logarithms, roots and sines would cost more than all else together."""
 
 
 @njit(cache=True)
@@ -94,48 +95,59 @@ def _edge(depth: NDArray[np.float64], v: int, u: int) -> float:
 
 
 @njit(cache=True)
+def _aside(depth: NDArray[np.float64], v: int, u: int, key: np.uint64, fx: float) -> tuple[int, int]:
+    """The pixel whose surface one looks at."""
+    height, width = depth.shape
+    reach = LATERAL_M * fx / depth[v, u] * 2.4494897427831781  # two uniform numbers have a variance of 1/6
+    if reach <= 0.5:
+        return v, u
+    bits = _bits(key, 3 * (v * width + u) + 2)
+    row = v + round(reach * (_part(bits, 0) + _part(bits, 1) - 1.0))
+    column = u + round(reach * (_part(bits, 2) + _part(bits, 3) - 1.0))
+    return min(max(row, 0), height - 1), min(max(column, 0), width - 1)
+
+
+@njit(cache=True, error_model="numpy")
 def _spoil(depth: NDArray[np.float64], facing: NDArray[np.float32], v: int, u: int, key: np.uint64, fx: float) -> float:
     """Depth that the sensor reports for one pixel, 0 for none [m]."""
-    height, width = depth.shape
     own = depth[v, u]
     if own == np.inf:
         return 0.0
-    chance = _bits(key, 3 * (v * width + u))
-    other = _edge(depth, v, u)
-    luck = _part(chance, 0)
+    chance = _bits(key, 3 * (v * depth.shape[1] + u))
+    other, luck = _edge(depth, v, u), _part(chance, 0)
     if other > 0.0 and luck < EDGE_LOST:
         return 0.0
-    aside = LATERAL_M * fx / own * 2.4494897427831781  # two uniform numbers have a variance of 1/6
-    row = min(max(v + round(aside * (_part(chance, 1) + _part(chance, 2) - 1.0)), 0), height - 1)
-    sideways = _bits(key, 3 * (v * width + u) + 1)
-    column = min(max(u + round(aside * (_part(sideways, 0) + _part(sideways, 1) - 1.0)), 0), width - 1)
-    seen = depth[row, column]
-    if seen == np.inf:
+    row, column = _aside(depth, v, u, key, fx)
+    seen, cosine = depth[row, column], min(facing[row, column], np.float32(1.0))
+    if seen == np.inf or (cosine < _GRAZING and _part(chance, 2) < GRAZING_LOST):
         return 0.0
     if other > 0.0 and luck < EDGE_LOST + EDGE_MIXED:
-        share = _part(chance, 3)
+        share = _part(chance, 1)
         seen = share * own + (1.0 - share) * other
-    angle = math.acos(min(facing[row, column], 1.0))
-    if angle > GRAZING_RAD:
-        if _part(sideways, 2) < GRAZING_LOST:
-            return 0.0
-        angle = GRAZING_RAD
-    wiggle = WIGGLE_M * math.sin(2.0 * math.pi * seen / WIGGLE_PERIOD_M)
-    return float(seen + wiggle + axial_m(seen, angle) * _normal(_bits(key, 3 * (v * width + u) + 2)))
+    place = cosine * np.float32(_STEPS)
+    step = min(int(place), _STEPS - 1)
+    slant = _SLANTS[step] + (place - step) * (_SLANTS[step + 1] - _SLANTS[step])
+    wiggle = _WIGGLES_M[min(int(100.0 * seen + 0.5), len(_WIGGLES_M) - 1)]
+    return float(seen + wiggle + axial_m(seen, slant) * _normal(_bits(key, 3 * (v * depth.shape[1] + u) + 1)))
 
 
 @njit(cache=True)
+def _solid(geom: NDArray[np.int16], flat: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(H + 2, W + 2) whether pixels show something that is no floor, with a frame of nothing around them."""
+    height, width = geom.shape
+    out = np.zeros((height + 2, width + 2), np.bool_)
+    for v in range(height):
+        for u in range(width):
+            g = geom[v, u]
+            out[v + 1, u + 1] = g >= 0 and not flat[g]
+    return out
+
+
+@njit(cache=True, error_model="numpy")
 def _sense(
-    depth: NDArray[np.float64],
-    geom: NDArray[np.int16],
-    facing: NDArray[np.float32],
-    flat: NDArray[np.bool_],
-    key: np.uint64,
-    fx: float,
-    near: float,
-    far: float,
-    out: NDArray[np.uint16],
-) -> None:
+    depth: NDArray[np.float64], geom: NDArray[np.int16], facing: NDArray[np.float32], flat: NDArray[np.bool_],
+    key: np.uint64, fx: float, near: float, far: float, out: NDArray[np.uint16],
+) -> None:  # fmt: skip
     solid = _solid(geom, flat)
     for v in range(depth.shape[0]):
         above, row, below = solid[v], solid[v + 1], solid[v + 2]

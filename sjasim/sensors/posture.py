@@ -9,18 +9,21 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..types import Array
 
+Seen = NDArray[np.bool_]
 TRUNK = np.array(
     [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "SpineShoulder", "Neck", "ShoulderLeft", "ShoulderRight",
                                     "HipLeft", "HipRight")]
 )  # fmt: skip
 """Joints that tell where a person is."""
 _PAIRS = np.array([[JOINT_INDEX[f"{name}Left"], JOINT_INDEX[f"{name}Right"]] for name in ("Shoulder", "Hip")])
-FEATURES = 4 * len(JOINTS) + 4
+_JOINTS = len(JOINTS)
+FEATURES = 4 * _JOINTS + 4
 
 
 def towards_body(points: Array, yaw_rad: float) -> Array:
@@ -37,19 +40,22 @@ def from_body(places: Array, yaw_rad: float) -> Array:
     return np.stack([-sin * forward - cos * left, up, -cos * forward + sin * left], axis=1)
 
 
-def heading(joints: Array, seen: NDArray[np.bool_]) -> float:
+@njit(cache=True)
+def heading(joints: Array, seen: Seen) -> float:
     """Yaw relative to facing the sensor, from the lines across shoulders and hips; NaN without a pair that is seen."""
-    pairs = _PAIRS[seen[_PAIRS].all(axis=1)]
-    if len(pairs) == 0:
-        return math.nan
-    across = (joints[pairs[:, 0]] - joints[pairs[:, 1]]).sum(axis=0)
-    return math.atan2(across[2], -across[0])
+    x = z = 0.0
+    for left, right in _PAIRS:
+        if seen[left] and seen[right]:
+            x += joints[left, 0] - joints[right, 0]
+            z += joints[left, 2] - joints[right, 2]
+    return math.atan2(z, -x) if x != 0.0 or z != 0.0 else math.nan
 
 
+@njit(cache=True)
 def features(
-    joints: Array, seen: NDArray[np.bool_], mean: Array, yaw_rad: float, scale: float, width: float
-) -> tuple[Array, Array] | None:
-    """Input of the regression.
+    joints: Array, seen: Seen, mean: Array, yaw_rad: float, scale: float, width: float, row: Array, place: Array
+) -> bool:
+    """Write the input of the regression.
 
     Args:
         joints: (25, 3) points [m]; only those seen count.
@@ -58,31 +64,66 @@ def features(
         yaw_rad: heading relative to facing the sensor.
         scale: stature over 1.75 m.
         width: of the chest, over the scale [m].
+        row: (104,) output.
+        place: (2,) output, the x and z that the posture stands at.
 
     Returns:
-        (104,) features and (2,) the x and z that the posture stands at, or None with nothing of the trunk seen.
+        whether anything of the trunk is seen; without it, nothing is known.
     """
-    trunk = TRUNK[seen[TRUNK]]
-    if len(trunk) == 0:
-        return None
-    standing = from_body(mean[trunk] * scale, yaw_rad)
-    place = (joints[trunk] - standing)[:, [0, 2]].mean(axis=0)
-    body = towards_body(joints - [place[0], 0.0, place[1]], yaw_rad) / scale - mean
-    body[~seen] = 0.0
-    rest = [math.cos(yaw_rad), math.sin(yaw_rad), width, 1.0]
-    return np.concatenate([body.ravel(), seen.astype(float), rest]), place
+    cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
+    place[:] = 0.0
+    count = 0
+    for j in TRUNK:
+        if seen[j]:
+            place[0] += joints[j, 0] + scale * (sin * mean[j, 0] + cos * mean[j, 2])
+            place[1] += joints[j, 2] + scale * (cos * mean[j, 0] - sin * mean[j, 2])
+            count += 1
+    if count == 0:
+        return False
+    place /= count
+    row[:] = 0.0
+    for j in range(_JOINTS):
+        if seen[j]:
+            x, z = joints[j, 0] - place[0], joints[j, 2] - place[1]
+            row[3 * j] = (-sin * x - cos * z) / scale - mean[j, 0]
+            row[3 * j + 1] = joints[j, 1] / scale - mean[j, 1]
+            row[3 * j + 2] = (-cos * x + sin * z) / scale - mean[j, 2]
+            row[3 * _JOINTS + j] = 1.0
+    row[4 * _JOINTS], row[4 * _JOINTS + 1], row[4 * _JOINTS + 2], row[4 * _JOINTS + 3] = cos, sin, width, 1.0
+    return True
 
 
-def predicted(row: Array, place: Array, weights: Array, mean: Array, yaw_rad: float, scale: float) -> Array:
-    """(25, 3) joints as points [m] that go with a row of features.
+@njit(cache=True)
+def likely(
+    joints: Array, seen: Seen, weights: Array, mean: Array, yaw_rad: float, scale: float, width: float, out: Array
+) -> bool:
+    """Write where all joints most likely are, by those that are seen.
 
     Args:
-        row: (104,) features.
-        place: (2,) x and z they stand at [m].
+        joints: as in `features`, and so on.
+        seen: as there.
         weights: (104, 75) of the regression.
-        mean: (25, 3) as in `features`.
-        yaw_rad: as in `features`.
-        scale: as in `features`.
+        mean: as there.
+        yaw_rad: as there.
+        scale: as there.
+        width: as there.
+        out: (25, 3) output, points [m].
+
+    Returns:
+        whether anything is known.
     """
-    body = (row @ weights).reshape(-1, 3) + mean
-    return np.asarray(from_body(body * scale, yaw_rad) + np.array([place[0], 0.0, place[1]]))
+    row, place, body = np.empty(FEATURES), np.empty(2), np.zeros(3 * _JOINTS)
+    if not features(joints, seen, mean, yaw_rad, scale, width, row, place):
+        return False
+    for k in range(FEATURES):
+        if row[k] != 0.0:
+            for c in range(3 * _JOINTS):
+                body[c] += row[k] * weights[k, c]
+    cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
+    for j in range(_JOINTS):
+        forward, up = scale * (body[3 * j] + mean[j, 0]), scale * (body[3 * j + 1] + mean[j, 1])
+        left = scale * (body[3 * j + 2] + mean[j, 2])
+        out[j, 0] = place[0] - sin * forward - cos * left
+        out[j, 1] = up
+        out[j, 2] = place[1] - cos * forward + sin * left
+    return True

@@ -17,14 +17,14 @@ from ..types import Array
 from .camera import Intrinsics
 
 Points = NDArray[np.float32]
-Image = NDArray[np.float32]
+Image = NDArray[np.int16]
 Pixels = NDArray[np.int32]
 Owners = NDArray[np.int8]
 
 FLOOR_M = 0.04
 """Lower points are floor: some five standard deviations of the floor's noise at 4 m (assumed)."""
-FAR_M = 8.0
-"""Depth that the image is given where there is none."""
+FAR_MM = 8000
+"""Depth that the image is given where there is none, and at most."""
 REACH_M = 0.85
 """Nothing of a person is farther from the trunk over the floor: an arm's length (assumed)."""
 LOW_M, LOW_REACH_M = 0.50, 0.50
@@ -40,6 +40,7 @@ _CELL_M, _X_M, _Z_M = 0.06, (-3.5, 3.5), (0.4, 4.6)
 _TORSO_M = (0.75, 1.60)
 _WINDOW = 3
 _BIN_M = 0.01
+_LEAST_POINTS = 12
 
 
 @dataclass(slots=True)
@@ -47,7 +48,7 @@ class Foreground:
     """What stands on the floor in one frame; the first ``count`` rows count, the rest is room.
 
     Attributes:
-        image: (H, W) depth, `FAR_M` where there is none [m].
+        image: (H + 2, W + 2) depth, `FAR_MM` where there is none and in the rim around it [mm].
         pixel: (N, 2) row and column.
         point: (N, 3) [m].
         owner: (N,) row of the person, `NOBODY` or `OBJECT`.
@@ -63,9 +64,9 @@ class Foreground:
     @classmethod
     def room(cls, intrinsics: Intrinsics) -> Foreground:
         """Empty arrays for images of this size."""
-        shape, size = (intrinsics.height, intrinsics.width), intrinsics.height * intrinsics.width
+        shape, size = (intrinsics.height + 2, intrinsics.width + 2), intrinsics.height * intrinsics.width
         pixel, point = np.zeros((size, 2), np.int32), np.zeros((size, 3), np.float32)
-        return cls(np.zeros(shape, np.float32), pixel, point, np.zeros(size, np.int8))
+        return cls(np.full(shape, FAR_MM, np.int16), pixel, point, np.zeros(size, np.int8))
 
 
 @njit(cache=True, error_model="numpy")
@@ -79,10 +80,10 @@ def _lift(
         slope = (middle_v - v) / fy
         for u in range(width):
             if depth[v, u] == 0:
-                image[v, u] = FAR_M
+                image[v + 1, u + 1] = FAR_MM
                 continue
             z = np.float32(depth[v, u]) * np.float32(0.001)
-            image[v, u] = z
+            image[v + 1, u + 1] = min(depth[v, u], FAR_MM)
             above = height_m + slope * z
             if above > FLOOR_M:
                 pixel[n, 0], pixel[n, 1] = v, u
@@ -176,10 +177,11 @@ def _measure(count: int, point: Points, owner: Owners, places: Array, scales: Ar
     away = np.zeros((len(places), 200), np.int32)
     chest = np.zeros((len(places), 200), np.int32)
     up = np.zeros((len(places), 240), np.int32)
+    known = np.zeros(len(places), np.bool_)
     for least in (0.42, 0.0):  # the trunk's points; all of them for somebody whose trunk is hidden
         for i in range(count):
             k = owner[i]
-            if k < 0 or (least == 0.0 and across[k].sum() >= 12):
+            if k < 0 or known[k]:
                 continue
             x = int((point[i, 0] - places[k, 0]) / _BIN_M + 100.0)
             z = int((point[i, 2] - places[k, 1]) / _BIN_M + 100.0)
@@ -192,8 +194,10 @@ def _measure(count: int, point: Points, owner: Owners, places: Array, scales: Ar
                 away[k, z] += 1
                 if 0.60 < height < 0.72:
                     chest[k, x] += 1
-        if least > 0.0 and not (out[:, 0] > 0.0).any():
-            return
+        for k in range(len(places)):
+            known[k] = out[k, 0] == 0.0 or across[k].sum() >= _LEAST_POINTS
+        if known.all():
+            break
     for k in range(len(places)):
         if out[k, 0] == 0.0:
             continue
@@ -271,6 +275,20 @@ def strangers(scene: Foreground, intrinsics: Intrinsics, area_m2: float, apart_m
     return found
 
 
+@njit(cache=True)
+def _low(count: int, point: Points, owner: Owners, before: Array, reach_m: float, sums: Array) -> None:
+    """Add up x, z and squared z of what is low and nobody's, near where the object was if that is known; and count."""
+    known = not math.isnan(before[0])
+    for i in range(count):
+        if owner[i] == OBJECT or (owner[i] == NOBODY and point[i, 1] < LOW_M):
+            x, z = point[i, 0], point[i, 2]
+            if not known or (x - before[0]) ** 2 + (z - before[1]) ** 2 < reach_m * reach_m:
+                sums[0] += x
+                sums[1] += z
+                sums[2] += z * z
+                sums[3] += 1.0
+
+
 def low_object(scene: Foreground, before: Array, intrinsics: Intrinsics, area_m2: float) -> Array:
     """Where something low stands that is nobody's leg: a robot, most likely.
 
@@ -283,16 +301,9 @@ def low_object(scene: Foreground, before: Array, intrinsics: Intrinsics, area_m2
     Returns:
         (2,) x and z, as ``before`` while too little of it can be seen.
     """
-    point, owner = scene.point[: scene.count], scene.owner[: scene.count]
-    free = np.flatnonzero((owner == OBJECT) | ((owner == NOBODY) & (point[:, 1] < LOW_M)))
-    if len(free) == 0:
+    sums = np.zeros(4)
+    _low(scene.count, scene.point, scene.owner, before, 1.5 * OBJECT_M, sums)
+    if sums[3] == 0.0 or sums[2] / (intrinsics.fx * intrinsics.fy) < area_m2:
         return before
-    x, z = point[free, 0], point[free, 2]
-    if not math.isnan(before[0]):
-        near = (x - before[0]) ** 2 + (z - before[1]) ** 2 < (1.5 * OBJECT_M) ** 2
-        x, z = x[near], z[near]
-    surface = float((z.astype(float) ** 2).sum()) / (intrinsics.fx * intrinsics.fy)
-    if len(x) == 0 or surface < area_m2:
-        return before
-    middle = np.array([x.mean(), z.mean()])
+    middle = sums[:2] / sums[3]
     return middle if math.isnan(before[0]) else np.asarray(before + 0.3 * (middle - before))

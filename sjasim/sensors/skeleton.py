@@ -23,7 +23,7 @@ from .votes import Votes, yaw_votes
 
 MOST_PERSONS = 6
 """A Kinect v2 follows six; who comes later is not tracked."""
-VOTING, TURNING = 360, 90
+VOTING, TURNING = 320, 90
 """Points of a person that vote for joints and for the yaw."""
 LEAST_M2 = 0.02
 """Surface of a person that must be seen (assumed)."""
@@ -56,9 +56,9 @@ def person_rows(body: Array, scales: Array, yaws: Array) -> Array:
     return np.stack([body[:, 1], body[:, 2], body[:, 4] / scales, scales, np.cos(yaws), np.sin(yaws)], axis=1)
 
 
-def strides(counts: Array, wanted: int) -> NDArray[np.int64]:
-    """One in so many of a person's points makes about as many as are wanted."""
-    return np.maximum(np.rint(counts / wanted), 1.0).astype(np.int64)
+def shares(counts: Array, wanted: int) -> Array:
+    """The part of a person's points that makes about as many as are wanted."""
+    return np.asarray(wanted / np.maximum(counts, wanted))
 
 
 def _join_hands(joints: Array, support: Array) -> None:
@@ -82,7 +82,7 @@ class SkeletonEstimator:
         self._intrinsics = intrinsics
         self._height_m = height_m
         self._model = unpacked(model or default())
-        self._votes = Votes(self._model)
+        self._votes = Votes(self._model, MOST_PERSONS)
         self._scene = Foreground.room(intrinsics)
         self._per_pixel = 1.0 / (intrinsics.fx * intrinsics.fy)
         self._persons: list[Person] = []
@@ -161,14 +161,14 @@ class SkeletonEstimator:
                 person.grow(float(crown), float(width), interval_s)
         scales = np.array([person.scale or 1.0 for person in persons])
         rows = person_rows(body, scales, np.zeros(len(persons)))
-        turned = yaw_votes(self._scene, self._model, strides(body[:, 0], TURNING), fx, rows)
+        turned = yaw_votes(self._scene, self._model, shares(body[:, 0], TURNING), fx, rows)
         for person, votes, row in zip(persons, turned, rows, strict=True):
             person.turn(votes, interval_s)
             row[:2] = person.steady(row[:2], interval_s)
             person.width += 0.1 * (float(row[2]) - person.width)
             row[2], row[4], row[5] = person.width, math.cos(person.yaw_rad), math.sin(person.yaw_rad)
         prior = np.array([person.joints for person in persons])
-        taken = strides(body[:, 0], VOTING)
+        taken = shares(body[:, 0], VOTING)
         joints, support = self._votes.joints(self._scene, taken, fx, rows, prior)
         _join_hands(joints, support)
         surface = body[:, 0] * self._per_pixel * (places[:, 1]) ** 2

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
@@ -33,6 +34,8 @@ SETTLE_TRUNK_S, SETTLE_LIMB_S = 0.40, 0.07
 like a step (assumed)."""
 SETTLED_M = 0.03
 """A joint that comes back is tracked once it is this near to where it is seen (assumed)."""
+CLOSE_M = 0.002
+"""Nearer than this, it is there."""
 SPEED_S = 0.10
 """Time constant of the trunk's velocity (assumed)."""
 YAW_S, YAW_ASTRAY_RAD, YAW_ASTRAY_S = 0.25, math.radians(60.0), 0.08
@@ -57,12 +60,62 @@ RISE_S, SINK_S, HIDDEN_SHARE = 0.3, 4.0, 0.93
 _TRUNK = np.zeros(len(JOINTS), dtype=bool)
 _TRUNK[[*posture.TRUNK, JOINT_INDEX["Head"]]] = True
 _SETTLE_S = np.where(_TRUNK, SETTLE_TRUNK_S, SETTLE_LIMB_S)
+_STEADY = np.zeros(len(JOINTS), dtype=bool)
+_STEADY[posture.TRUNK] = True
+FRESH = -1
+"""State of a joint that has just become known."""
 _PLACE = [JOINT_INDEX["SpineBase"], JOINT_INDEX["SpineMid"]]
 
 
 def blend(interval_s: float, constant_s: float) -> float:
     """Share of the way to go in an interval."""
     return 1.0 - math.exp(-interval_s / constant_s)
+
+
+@njit(cache=True)
+def _follow(
+    found: Array, seen: posture.Seen, likely: Array, shares: Array, kept: Array, joints: Array,
+    state: NDArray[np.int8], carry: Array,
+) -> None:  # fmt: skip
+    """Move a person's joints on from their predictions.
+
+    Args:
+        found: (25, 3) where votes agree [m].
+        seen: (25,) which of them count.
+        likely: (25, 3) by the posture as a whole [m].
+        shares: of the way to go in this frame: a hidden joint to where it is likely, the trunk from its predicted
+            motion, and a joint of the trunk from the motion that all of it has in common.
+        kept: (25,) share of what was left of the way of a joint that came back, a frame ago.
+        joints: (25, 3) predicted, and afterwards taken in.
+        state: (25,) of the last frame, and afterwards of this one.
+        carry: (25, 3) what is left of such ways.
+    """
+    moved, steady = np.zeros(3), 0
+    for j in range(len(joints)):
+        if math.isnan(joints[j, 0]):
+            joints[j], state[j] = likely[j], FRESH
+    for j in posture.TRUNK:
+        if seen[j] and state[j] == TRACKED:
+            moved += found[j] - joints[j]
+            steady += 1
+    moved /= max(steady, 1)
+    for j in range(len(joints)):
+        before, after = joints[j], joints[j] + moved + shares[0] * (likely[j] - joints[j] - moved)
+        if not seen[j]:
+            carry[j] = 0.0
+            joints[j], state[j] = after, INFERRED
+            continue
+        if state[j] < TRACKED and state[j] != FRESH and not carry[j].any():
+            carry[j] = before + moved - found[j]
+        carry[j] *= kept[j]
+        off = np.abs(carry[j]).max()
+        if off < CLOSE_M:
+            carry[j] = 0.0
+        here = found[j] + carry[j]
+        if state[j] == TRACKED and _STEADY[j]:
+            common = before + shares[1] * moved
+            here = common + shares[2] * (here - common)
+        joints[j], state[j] = here, TRACKED if off < SETTLED_M else INFERRED
 
 
 def wrapped(angle_rad: float) -> float:
@@ -171,32 +224,13 @@ class Person:
         before_rad = self.facing_rad
         self._face(posture.heading(joints, seen), interval_s)
         self._spin(before_rad, interval_s)
-        row = posture.features(np.nan_to_num(joints), seen, mean, self.yaw_rad, self.scale, self.width)
-        if row is None:
+        likely = np.empty_like(joints)
+        if not posture.likely(joints, seen, weights, mean, self.yaw_rad, self.scale, self.width, likely):
             self.lose(interval_s)
             return
-        likely = posture.predicted(*row, weights, mean, self.yaw_rad, self.scale)
-        fresh = np.isnan(self.joints[:, 0])
-        before = np.where(fresh[:, None], likely, self.joints)
-        was_seen = self.state == TRACKED
-        back = seen & ~was_seen & ~fresh & (np.abs(self.carry).sum(axis=1) == 0.0)
-        kept = seen & was_seen
-        moved = self._moved(joints, before, kept)
-        hidden = before + moved
-        hidden += blend(interval_s, RELAX_S) * (likely - hidden)
-        self.carry[back] = (before + moved - joints)[back]
-        self.carry *= np.exp(-interval_s / _SETTLE_S)[:, None]
-        self.carry[~seen] = 0.0
-        off = np.abs(self.carry).max(axis=1)
-        self.carry[off < 0.002] = 0.0
-        steady = posture.TRUNK[kept[posture.TRUNK]]
-        joints = np.nan_to_num(joints) + self.carry
-        common = before[steady] + blend(interval_s, COMMON_S) * moved
-        joints[steady] = common + blend(interval_s, OWN_MOTION_S / (1.0 + (self.spin / SPIN_RAD_S) ** 2)) * (
-            joints[steady] - common
-        )
-        self.joints = np.where(seen[:, None], joints, hidden)
-        self.state = np.where(seen & (off < SETTLED_M), TRACKED, INFERRED).astype(np.int8)
+        own = blend(interval_s, OWN_MOTION_S / (1.0 + (self.spin / SPIN_RAD_S) ** 2))
+        shares = np.array([blend(interval_s, RELAX_S), blend(interval_s, COMMON_S), own])
+        _follow(joints, seen, likely, shares, np.exp(-interval_s / _SETTLE_S), self.joints, self.state, self.carry)
         self._go(interval_s)
 
     def _face(self, yaw_rad: float, interval_s: float) -> None:
@@ -210,11 +244,6 @@ class Person:
         if interval_s > 0.0 and not math.isnan(before_rad):
             rate = wrapped(self.yaw_rad - before_rad) / interval_s
             self.spin += blend(interval_s, SPIN_S) * (rate - self.spin)
-
-    def _moved(self, joints: Array, before: Array, kept: NDArray[np.bool_]) -> Array:
-        """(3,) what the trunk still goes beyond its prediction."""
-        trunk = posture.TRUNK[kept[posture.TRUNK]]
-        return (joints[trunk] - before[trunk]).mean(axis=0) if len(trunk) else np.zeros(3)
 
     def _go(self, interval_s: float) -> None:
         place = self.joints[_PLACE][:, [0, 2]].mean(axis=0)

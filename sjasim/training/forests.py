@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from ..clock import stream
 from ..errors import SjasimError
-from ..sensors.model import MILLI, YAW_EXTRAS
+from ..sensors.forest import EXTRAS, YAW_EXTRAS
+from ..sensors.model import MILLI
 from .samples import Samples
 
 VOTES = 6
@@ -90,7 +91,7 @@ def grow(samples: Samples, growth: Growth, seed: int) -> Grown:
 
 def grow_yaw(samples: Samples, growth: Growth, seed: int) -> tuple[Grown, NDArray[np.int8]]:
     """Grow the yaws' forest and its votes (V, 2); it sees no feature that knows a yaw."""
-    blind = samples.features.shape[1] - (9 - YAW_EXTRAS)
+    blind = samples.features.shape[1] - (EXTRAS - YAW_EXTRAS)
     few = slice(None, None, max(1, len(samples.joint) // YAW_PIXELS))
     features, goal = np.ascontiguousarray(samples.features[few, :blind]), samples.yaw[few]
     sector = ((np.arctan2(goal[:, 1], goal[:, 0]) / math.tau % 1.0) * SECTORS).astype(np.int64)

@@ -16,9 +16,9 @@ from ..clock import stream
 from ..config import SensorConfig
 from ..sensors import noise, segmentation
 from ..sensors.camera import Camera, Intrinsics
+from ..sensors.forest import answers
 from ..sensors.segmentation import Foreground
 from ..sensors.skeleton import person_rows, unit_scale
-from ..sensors.votes import answers
 from ..types import Array
 from .scenes import Scene
 
@@ -127,7 +127,7 @@ def in_body(displacement: Array, persons: Array) -> Array:
 
 
 def gather(
-    scenes: Iterable[tuple[Mount, Scene]], probes: NDArray[np.float32], each: int, seed: int, name: str
+    scenes: Iterable[tuple[Mount, Scene]], probes: NDArray[np.float16], each: int, seed: int, name: str
 ) -> Samples:
     """Draw pixels from scenes; rare joints' pixels are drawn more often than they come.
 

@@ -59,7 +59,7 @@ def train(recipe: Recipe, say: Callable[[str], None] = lambda _: None) -> Model:
         say(f"{time.perf_counter() - began:6.1f} s  {what}")
 
     probes = draw_probes(recipe.probes, seed)
-    drawn = gather(scenes(recipe.scenes, seed, "train"), probes.astype(np.float32), recipe.pixels, seed, "train")
+    drawn = gather(scenes(recipe.scenes, seed, "train"), probes, recipe.pixels, seed, "train")
     tell(f"{len(drawn.joint)} pixels of {recipe.scenes} scenes")
     yaws, yaw_vote = grow_yaw(drawn, recipe.growth, seed)
     tell(f"{yaws.leaves} leaves for yaws")

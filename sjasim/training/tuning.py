@@ -13,7 +13,7 @@ from ..choreography.layout import Mount
 from ..clock import stream
 from ..sensors import posture
 from ..sensors.model import Model, unpacked
-from ..sensors.skeleton import LEAST_M2, VOTING, strides
+from ..sensors.skeleton import LEAST_M2, MOST_PERSONS, VOTING, shares
 from ..sensors.votes import Votes
 from ..types import Array
 from .samples import Watcher, in_body
@@ -61,12 +61,12 @@ class Estimates:
 
 def estimate(scenes: Iterable[tuple[Mount, Scene]], model: Model, seed: int, name: str) -> Estimates:
     """Let a model see scenes that it was not trained on."""
-    watcher, votes = Watcher(seed, name), Votes(unpacked(model))
+    watcher, votes = Watcher(seed, name), Votes(unpacked(model), MOST_PERSONS)
     rows: list[tuple[Array, ...]] = []
     fx = watcher.intrinsics.fx
     for mount, scene in scenes:
         seen = watcher.see(mount, scene)
-        joints, support = votes.joints(seen.scene, strides(seen.counts, VOTING), fx, seen.persons, seen.prior)
+        joints, support = votes.joints(seen.scene, shares(seen.counts, VOTING), fx, seen.persons, seen.prior)
         enough = seen.counts * seen.joints[:, _BASE, 2] ** 2 > LEAST_M2 * fx * fx
         for k in np.flatnonzero(enough & np.isfinite(joints).all(axis=(1, 2))):
             rows.append((joints[k], support[k], seen.joints[k], seen.persons[k], seen.yaw_rad[k]))
@@ -110,10 +110,9 @@ def regress(scenes: Iterable[tuple[Mount, Scene]], mean: Array, seed: int) -> ND
             tracked_yaw = float(yaw + POSTURE_YAW_RAD * rng.standard_normal())
             scale = float(stature / 1.75)
             joints = true + POSTURE_M * rng.standard_normal(true.shape)
-            made = posture.features(joints, _hidden(rng), mean, tracked_yaw, scale, 0.0)
-            if made is None:
+            row, place = np.empty(posture.FEATURES), np.empty(2)
+            if not posture.features(joints, _hidden(rng), mean, tracked_yaw, scale, 0.0, row, place):
                 continue
-            row, place = made
             rows.append(row)
             body = posture.towards_body(true - [place[0], 0.0, place[1]], tracked_yaw) / scale - mean
             goals.append(body.ravel())

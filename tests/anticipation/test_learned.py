@@ -8,29 +8,19 @@ import pytest
 
 from sjasim.answers import Intention, Wake, Withdrawal
 from sjasim.anticipation.features import MOVES, Features
-from sjasim.anticipation.learned import Network
+from sjasim.anticipation.learned import LEEWAY_BEATS, Network, Steps
 from sjasim.anticipation.method import build
 from sjasim.errors import ConfigError
+from sjasim.server.dispatch import MOVES as MOVE_OF
 from sjasim.types import (
     Event,
     Kind,
 )
 
 from ..contracts.test_anticipation import STEPS, brief
+from .policies import WIDTH, write
 
-WIDTH = len(Features(brief()).row(0.0, 0, 0.0))
-
-
-def write(path, **changes):
-    """A policy that wants what the dance has at each beat: its scores are made of the two bars' phases."""
-    rng = np.random.default_rng(0)
-    arrays = {
-        "mean": np.zeros(WIDTH), "std": np.ones(WIDTH), "clip": 10.0, "step_hz": 10,
-        "w0": 0.3 * rng.standard_normal((16, WIDTH)), "b0": np.zeros(16),
-        "w1": rng.standard_normal((4, 16)), "b1": np.zeros(4),
-    }  # fmt: skip
-    np.savez(path, **{key: value for key, value in {**arrays, **changes}.items() if value is not None})
-    return str(path)
+PLAN = brief()
 
 
 @pytest.fixture
@@ -67,11 +57,9 @@ def test_it_keeps_the_contract(policy):
     plan = brief()
     answers = dance(start(policy, plan), plan)
     own = [answer for _, answer in answers if isinstance(answer, Intention)]
-    assert own
     assert not any(isinstance(answer, Withdrawal) for _, answer in answers)
     keys = [(answer.iteration, answer.ordinal) for answer in own]
-    assert keys == sorted(set(keys))
-    assert all(1 <= iteration <= 4 and 0 <= ordinal < len(STEPS) for iteration, ordinal in keys)
+    assert keys == [(iteration, ordinal) for iteration in range(1, 5) for ordinal in range(len(STEPS))]
     method = start(policy, plan)
     assert dance(method, plan) == answers
     method.reset(plan, np.random.default_rng(0))
@@ -87,7 +75,7 @@ def test_it_asks_at_the_rate_it_was_trained_with(policy):
 @pytest.mark.parametrize(
     ("changes", "says"),
     [({"w1": None}, "b1|w1|fit|scores"), ({"mean": np.zeros(3)}, "operands|shape|policy"), ({"step_hz": 0}, "policy"),
-     ({"b1": np.full(4, np.nan)}, "finite"), ({"w1": np.zeros((5, 16)), "b1": np.zeros(5)}, "4 finite scores")],
+     ({"b1": np.full(4, np.nan)}, "finite"), ({"w1": np.zeros((5, 8)), "b1": np.zeros(5)}, "4 finite scores")],
 )  # fmt: skip
 def test_a_wrong_file_is_refused(tmp_path, changes, says):
     with pytest.raises(ConfigError, match=says):
@@ -111,6 +99,34 @@ def test_the_network_is_the_textbooks(tmp_path):
     x = np.linspace(-1, 1, WIDTH)
     (w0, b0), (w1, b1) = network.layers
     assert network.scores(x) == pytest.approx(w1 @ np.tanh(w0 @ np.clip(x, -0.5, 0.5) + b0) + b1)
+
+
+class TestSteps:
+    """The paper's dance: forward at beat 0, stop 4, backward 8, stop 12 and so on, clap and turn at 32."""
+
+    def at(self, beat, iteration=1):
+        return PLAN.iteration_start_s[iteration] + beat * PLAN.beat_s
+
+    def test_a_wanted_move_is_the_nearest_step_of_its_kind(self):
+        steps = Steps(PLAN)
+        wanted = [(first.beat, MOVES.index(MOVE_OF[first.kind])) for first in STEPS]
+        assert [steps.take(self.at(beat + 0.5), move) for beat, move in wanted] == [(1, k) for k in range(len(STEPS))]
+
+    def test_none_is_sent_twice_or_behind_another(self):
+        steps = Steps(PLAN)
+        assert steps.take(self.at(STEPS[2].beat), MOVES.index("backward")) == (1, 2)
+        assert steps.take(self.at(STEPS[1].beat), MOVES.index("stop")) is None
+        assert steps.move == MOVES.index("backward")
+        assert steps.take(self.at(STEPS[2].beat), MOVES.index("backward")) is None
+
+    def test_far_from_its_beat_a_move_means_nothing(self):
+        steps = Steps(PLAN)
+        turn = MOVES.index("turn")
+        assert steps.take(self.at(STEPS[-1].beat - 1.01 * LEEWAY_BEATS), turn) is None
+        assert steps.take(self.at(STEPS[-1].beat - 0.99 * LEEWAY_BEATS), turn) == (1, len(STEPS) - 1)
+
+    def test_nothing_is_sent_in_the_rehearsal(self):
+        assert Steps(PLAN).take(self.at(0.0, 0), MOVES.index("forward")) is None
 
 
 class TestFeatures:

@@ -14,7 +14,7 @@ from gymnasium import error
 from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers import FlattenObservation
 from sjasim_envs import ENVIRONMENTS
-from sjasim_envs.wrappers import Told
+from sjasim_envs.wrappers import InOrder, Told
 
 import sjasim
 from sjasim import registry
@@ -73,6 +73,27 @@ def test_told_is_what_a_method_is_told():
     assert row in env.observation_space
     with pytest.raises(error.Error, match="last_iteration"):
         Told(make("sjasim/DanceFlat-v0"))
+
+
+def test_in_order_steps_are_sent_once_and_near_their_beat():
+    env = InOrder(make(step_hz=5))
+    env.reset(seed=3)
+    session = env.unwrapped.session
+    forward, backward, turn = (MOVES.index(name) for name in ("forward", "backward", "turn"))
+    start_s = session.brief.iteration_start_s[1]
+    seen = []
+    for t_s, action in ((start_s - 2.0, turn), (start_s, forward), (start_s + 0.2, backward), (start_s + 0.4, forward)):
+        while session.time_s < t_s - 1e-9:
+            env.step(env.unwrapped.action_space.start if not seen else seen[-1][0])
+        env.step(action)
+        current = session.dispatcher.current
+        seen.append((0 if current is None else MOVES.index(current.move), len(session.commands)))
+    assert [move for move, _ in seen] == [0, forward, forward, forward]
+    assert seen[1] == seen[-1]
+    with pytest.raises(error.InvalidAction, match="1 forward"):
+        env.step(4)
+    with pytest.raises(error.Error, match="four moves"):
+        InOrder(make("sjasim/DanceContinuous-v0"))
 
 
 def test_stable_baselines_can_learn():

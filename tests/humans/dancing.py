@@ -20,7 +20,8 @@ from sjasim.stage import Stage
 from sjasim.tempo import TempoMap
 from sjasim.types import Array, Cue, Kind, Move, dancer_name
 
-HZ = 60
+HZ = StageConfig().balance_hz
+TICKS = StageConfig().rate_hz // HZ
 NORTH = np.pi / 2
 
 
@@ -52,6 +53,14 @@ def jittered(timetable: Timetable, iteration: int, dancer: int, rng: np.random.G
         cues.append(Cue(dancer_name(dancer), item.move, iteration, ordinal, item.beat, t, duration))
         free = t + duration + 0.15
     return cues
+
+
+def at_rest(reference: Reference) -> Reference:
+    """One dancer's plan with the rows that are not planned yet filled as they are read: the last one, repeated."""
+    known = int(reference.until[0])
+    for name in ("joints", "pelvis", "yaw", "dcm", "weight", "ankles", "foot_yaw", "landing", "torque"):
+        getattr(reference, name)[known:] = getattr(reference, name)[known - 1]
+    return reference
 
 
 @dataclass
@@ -95,12 +104,11 @@ class Floor:
         last = self.ticks if seconds is None else self.tick + round(seconds * HZ)
         for tick in range(self.tick, last):
             self.stage.apply(self.balance.targets(tick, self.stage.states()))
-            self.stage.step_to((tick + 1) * 4)
-            hands, tether = np.zeros((len(self.cues), 2, 3)), np.zeros((len(self.cues), 5))
-            self.stage.copy_hands(hands)
-            self.stage.copy_tether(tether)
-            gaps = np.linalg.norm(hands[:, 0] - hands[:, 1], axis=1)
-            rows = self.stage.states().root, tether, self.stage.loads(), gaps
+            self.stage.step_to((tick + 1) * TICKS)
+            self.stage.feel()
+            states = self.stage.states()
+            gaps = np.linalg.norm(states.hands[:, 0] - states.hands[:, 1], axis=1)
+            rows = states.root, states.tether, states.load, gaps
             for column, row in zip(self.truth.values(), (*rows, self.stage.joints_m), strict=True):
                 column.append(np.array(row))
         self.tick = last
@@ -120,6 +128,8 @@ class Floor:
 
     def pelvis_errors(self) -> Array:
         """(T, D) distance between planned and true pelvis on the floor [m]."""
+        for dancer in range(len(self.bodies)):
+            at_rest(self.reference.of(dancer))
         planned = self.reference.pelvis[:, 1 : len(self.times) + 1, :2].swapaxes(0, 1)
         return np.linalg.norm(self.column("roots")[:, :, :2] - planned, axis=2)
 

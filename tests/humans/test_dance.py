@@ -43,14 +43,14 @@ def test_feet_carry_the_weight():
 def test_moves_start_and_stop_when_planned(dancer):
     errors = [error for kind, error, _ in danced().event_errors(dancer) if kind is not Kind.CLAP]
     assert len(errors) == 8
-    assert np.abs(errors).max() <= 0.085
-    assert np.abs(errors).mean() <= 0.05
+    assert np.abs(errors).max() <= 0.033
+    assert abs(np.mean(errors)) <= 0.010
 
 
 def test_hands_meet_within_a_frame_of_the_planned_clap():
     errors = [error for dancer in range(3) for kind, error, _ in danced().event_errors(dancer) if kind is Kind.CLAP]
     assert len(errors) == 3
-    assert np.abs(errors).max() <= 0.085
+    assert np.abs(errors).max() <= 0.020
 
 
 def test_the_same_dance_twice_is_the_same_to_the_last_bit():

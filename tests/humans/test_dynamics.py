@@ -10,19 +10,19 @@ from sjasim.assets.names import ACTUATED, ACTUATED_INDEX
 from sjasim.config import BodyConfig
 from sjasim.humans.anatomy import Build, anatomy
 from sjasim.humans.body import dancer_spec
-from sjasim.humans.dynamics import hinge_torques
+from sjasim.humans.dynamics import hinge_torques, masses
 from sjasim.humans.motion import Planner
 from sjasim.humans.reference import Reference
 from sjasim.types import Move
 
-from .dancing import HZ, NORTH, walk_cue
+from .dancing import HZ, NORTH, at_rest, walk_cue
 
 
 def planned(body):
     reference = Reference.empty(1, 6 * HZ).of(0)
     planner = Planner(body, np.zeros(2), NORTH, 0.5, NORTH, HZ, reference)
     planner.extend([walk_cue(Move.FORWARD, 2.0, 1.5)], 0.0)
-    return reference
+    return at_rest(reference)
 
 
 def test_hanging_and_standing_torques_are_those_of_statics():
@@ -34,7 +34,8 @@ def test_hanging_and_standing_torques_are_those_of_statics():
     assert abs(sum(ankle)) == pytest.approx(75 * 9.81 * ahead, rel=0.06)
     q = np.zeros((1, 25))
     q[0, ACTUATED_INDEX["elbow_L"]] = -np.pi / 2
-    arm = hinge_torques(chains, q, np.zeros((1, 3)), np.zeros(1), np.zeros((1, 2, 3)), np.full(1, 0.5), 1 / HZ)
+    placed = masses(chains, q, np.zeros((1, 3)), np.zeros(1))
+    arm = hinge_torques(chains, placed, np.zeros((1, 2, 3)), np.full(1, 0.5), 1 / HZ)
     fore, hand = 0.016 * 75, 0.006 * 75
     length = 0.146 * 1.75
     expected = 9.81 * (fore * (length - 0.02) / 2 + hand * (length + 0.048 * 1.75))

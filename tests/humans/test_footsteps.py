@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sjasim.humans.anatomy import Build, anatomy
-from sjasim.humans.footsteps import SHIFT_S, Feet, pelvis_height, turn, walk
+from sjasim.humans.footsteps import SHIFT_S, Feet, easing, pelvis_height, turn, walk
 from sjasim.humans.profile import smooth, speed_profile
 from sjasim.humans.reference import Reference
 
@@ -19,6 +19,7 @@ BODY = anatomy(Build())
 def feet(seconds: float = 14.0, heading: float = np.pi / 2):
     ticks = round(seconds / DT)
     reference = Reference.empty(1, ticks).of(0)
+    reference.until[:] = ticks
     return Feet(np.zeros(2), heading, BODY.hip_m, BODY.ankle_m, np.arange(ticks) * DT, reference)
 
 
@@ -131,7 +132,7 @@ def test_the_pelvis_sinks_where_a_leg_would_not_reach():
     ankles[:, :, 1] = [BODY.hip_m, -BODY.hip_m]
     ankles[:, :, 2] = BODY.ankle_m
     ankles[:, 0, 0] = 0.4 * smooth(np.linspace(-1, 2, ticks))
-    height = pelvis_height(pelvis, np.zeros(ticks), ankles, BODY, DT)
+    height = pelvis_height(pelvis, np.zeros(ticks), ankles, BODY.chains().leg, BODY.standing_m, easing(0.12, DT))
     assert height[0] == pytest.approx(BODY.standing_m)
     assert height[-1] < BODY.standing_m - 0.02
     assert np.abs(np.diff(height)).max() < 0.008

@@ -13,7 +13,7 @@ from sjasim.humans.motion import PREVIEW_S, Planner, _pendulum
 from sjasim.humans.reference import Reference
 from sjasim.types import Cue, Move
 
-from .dancing import HZ, NORTH, builds, walk_cue
+from .dancing import HZ, NORTH, at_rest, builds, walk_cue
 
 FIELDS = ("joints", "pelvis", "yaw", "dcm", "weight", "ankles", "foot_yaw", "landing", "torque")
 
@@ -23,8 +23,13 @@ class Plan:
 
     def __init__(self, body=None, seconds: float = 22.0) -> None:
         self.body = body or anatomy(Build())
-        self.reference = Reference.empty(1, round(seconds * HZ)).of(0)
-        self.planner = Planner(self.body, np.zeros(2), NORTH, 0.5, NORTH, HZ, self.reference)
+        self._reference = Reference.empty(1, round(seconds * HZ)).of(0)
+        self.planner = Planner(self.body, np.zeros(2), NORTH, 0.5, NORTH, HZ, self._reference)
+
+    @property
+    def reference(self) -> Reference:
+        """The plan, at rest in every row that is not planned yet."""
+        return at_rest(self._reference)
 
     def copy(self) -> dict[str, np.ndarray]:
         return {name: getattr(self.reference, name).copy() for name in FIELDS}

@@ -11,7 +11,7 @@ import pytest
 
 from sjasim.assets.names import FLOOR_BIT, ROBOT_PREFIX
 from sjasim.clock import Task, Ticks
-from sjasim.config import RobotConfig
+from sjasim.config import RobotConfig, StageConfig
 from sjasim.robot.body import robot_spec
 from sjasim.robot.diff_drive import wheel_command
 from sjasim.robot.executor import Executor
@@ -19,6 +19,7 @@ from sjasim.robot.odometry import Odometry, RobotEventDetector
 from sjasim.types import Kind, Move, MoveCommand, RobotState, WheelReading
 
 HEARTBEAT_S = 0.2
+RATE_HZ = StageConfig().rate_hz
 
 
 def command(number: int, move: Move, *, speed: float = 0.25, heading: float = 0.0) -> MoveCommand:
@@ -26,13 +27,13 @@ def command(number: int, move: Move, *, speed: float = 0.25, heading: float = 0.
 
 
 class Rig:
-    """Steps physics at 240 Hz and the robot's control at 50 Hz."""
+    """Steps physics at the stage's rate and the robot's control at 50 Hz."""
 
     def __init__(self, config: RobotConfig | None = None, furnish: Callable[[mujoco.MjSpec], None] | None = None):
         self.config = config or RobotConfig()
         self.model = _scene(self.config, furnish).compile()
         self.data = mujoco.MjData(self.model)
-        self.ticks, self.tick = Ticks(240), 0
+        self.ticks, self.tick = Ticks(RATE_HZ), 0
         self.control = Task(self.ticks, self.config.odometry_hz)
         self.odometry = Odometry(self.config, (0.0, 0.0, 0.0), np.random.default_rng(0))
         self.detector = RobotEventDetector(self.config)
@@ -112,7 +113,7 @@ class Rig:
 
 def _scene(config: RobotConfig, furnish: Callable[[mujoco.MjSpec], None] | None) -> mujoco.MjSpec:
     scene = mujoco.MjSpec()
-    scene.option.timestep = 1 / 240
+    scene.option.timestep = 1 / RATE_HZ
     scene.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     scene.option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     scene.option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL

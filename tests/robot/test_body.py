@@ -34,8 +34,8 @@ def add_leg(at_m: float, mass: float | None = None):
 def peak_force(rig, seconds: float) -> float:
     """Largest sum of normal forces on the leg [N]."""
     leg, force, peak = rig.model.geom("leg").id, np.zeros(6), 0.0
-    for _ in range(round(seconds * 240)):
-        rig.run(1 / 240)
+    for _ in range(round(seconds * rig.ticks.rate_hz)):
+        rig.run(1 / rig.ticks.rate_hz)
         total = 0.0
         for index, contact in enumerate(rig.data.contact):
             if leg in (contact.geom1, contact.geom2):

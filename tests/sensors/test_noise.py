@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from sjasim.clock import stream
+from sjasim.rays.primitives import BOX, PLANE
 from sjasim.sensors import noise
-from sjasim.sensors.camera import BOX, PLANE, Picture
+from sjasim.sensors.camera import Picture
 
 FX = 180.8
 RANGE_M = (0.5, 4.5)

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from sjasim.sensors.votes import answers
+from sjasim.sensors.forest import answers
 from sjasim.training.forests import Growth, draw_probes
 from sjasim.training.samples import Watcher, in_body
 from sjasim.training.scenes import scenes
@@ -39,7 +39,7 @@ def test_features_do_not_depend_on_where_a_point_stands_in_the_list():
     mount, scene = next(iter(scenes(1, 3, "test")))
     watcher = Watcher(0, "test")
     seen = watcher.see(mount, scene)
-    probes = draw_probes(20, 0).astype(np.float32)
+    probes = draw_probes(20, 0)
     rows = np.flatnonzero(seen.scene.owner[: seen.scene.count] == 0)[:40]
     both = answers(seen.scene, rows, probes, watcher.intrinsics.fx, seen.persons[0])
     assert (answers(seen.scene, rows[::-1].copy(), probes, watcher.intrinsics.fx, seen.persons[0])[::-1] == both).all()
