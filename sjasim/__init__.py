@@ -13,6 +13,7 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .analysis.calibration import fit_timing
     from .analysis.measures import measures
     from .anticipation import synchrony
     from .config import SessionConfig
@@ -21,11 +22,12 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-__all__ = ["SessionConfig", "SessionLog", "__version__", "measures", "run_session", "synchrony"]
+__all__ = ["SessionConfig", "SessionLog", "__version__", "fit_timing", "measures", "run_session", "synchrony"]
 
 _PUBLIC = {
     "SessionConfig": (".config", "SessionConfig"),
     "SessionLog": (".types", "SessionLog"),
+    "fit_timing": (".analysis.calibration", "fit_timing"),
     "measures": (".analysis.measures", "measures"),
     "run_session": (".session", "run_session"),
     "synchrony": (".anticipation.synchrony", None),

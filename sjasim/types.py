@@ -298,6 +298,7 @@ class PersonStatus(NamedTuple):
         y_m: the same.
         yaw_rad: world heading.
         tracked: share of the 25 joints that are tracked, 0 to 1.
+        hands: share of the two hands that is tracked, 0, .5 or 1.
     """
 
     person: int
@@ -305,6 +306,7 @@ class PersonStatus(NamedTuple):
     y_m: float
     yaw_rad: float
     tracked: float
+    hands: float
 
 
 class ClientStatus(NamedTuple):
@@ -348,18 +350,20 @@ class MoveDuration:
 
 @dataclass(frozen=True, slots=True)
 class ClientOrder:
-    """The server's word to a client: detect at full rate, or idle and only report status.
+    """The server's word to a client: detect at full rate, look out for claps only, or idle and only report status.
 
     Attributes:
         sensor: name of the client's sensor.
         watch: whether to detect.
         durations: what the other clients logged before the hand-over; without it a client has no early stop
             for the first move of each kind that it sees.
+        assist: whether to look, from the side, for claps of people whose hands the active client does not see.
     """
 
     sensor: str
     watch: bool
     durations: tuple[MoveDuration, ...] = ()
+    assist: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,10 +26,11 @@ class Glimpse(NamedTuple):
         towards: how many of SpineMid, Neck and both shoulders moved towards the sensor by more than the floor.
         away: the same away from the sensor.
         tracked: how many of the four are tracked; the others are not counted above.
-        hand_ratio: hand distance over shoulder distance in the sensor's x-y plane; NaN unless both hands are tracked.
+        hand_ratio: hand distance over shoulder distance in the sensor's x-y plane; NaN unless all four are known.
             The shoulders are its scale only, and may be inferred: raised forearms hide them.
         yaw_rad: heading relative to facing the sensor, counter-clockwise from above; NaN if a hip is missing.
         yaw_rate_rad_s: its rate over the same frames as the speed.
+        hands: how many of the two are tracked.
     """
 
     speed_m_s: float
@@ -39,6 +40,7 @@ class Glimpse(NamedTuple):
     hand_ratio: float
     yaw_rad: float
     yaw_rate_rad_s: float
+    hands: int
 
 
 BASE, MID, NECK, LEFT, RIGHT, HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT = (
@@ -102,8 +104,8 @@ def _look(
                 towards += way > floor_m
                 away += way < -floor_m
         row[1], row[2], row[3] = towards, away, tracked
-        hands = known[HAND_LEFT] == TRACKED and known[HAND_RIGHT] == TRACKED
-        row[4] = _hand_ratio(body) if hands else nan
+        row[4] = _hand_ratio(body)
+        row[7] = (known[HAND_LEFT] == TRACKED) + (known[HAND_RIGHT] == TRACKED)
         yaw = row[5] = yaw_rad(body)
         row[0] = row[6] = nan
         if span_s > 0.0:
@@ -114,14 +116,14 @@ def _look(
 
 @njit(cache=True)
 def report(joints: Array, state: NDArray[np.int8], pose: Array, bearing_rad: float, out: Array) -> None:
-    """Write where everybody stands in the world: x, y [m], yaw [rad] and the share of tracked joints.
+    """Write where everybody stands in the world: x, y [m], yaw [rad], and the shares of tracked joints and hands.
 
     Args:
         joints: (P, 25, 3) in the sensor's frame [m].
         state: (P, 25) tracking states.
         pose: (3, 4) rotation and position of the sensor in the world.
         bearing_rad: heading of someone who faces the sensor.
-        out: (P, 4) output; NaN where SpineBase or a hip is not known.
+        out: (P, 5) output; NaN where SpineBase or a hip is not known.
     """
     for p in range(len(joints)):
         base = joints[p, BASE]
@@ -130,6 +132,7 @@ def report(joints: Array, state: NDArray[np.int8], pose: Array, bearing_rad: flo
         yaw = bearing_rad + yaw_rad(joints[p])
         out[p, 2] = yaw - tau * np.rint(yaw / tau)
         out[p, 3] = np.sum(state[p] == TRACKED) / state.shape[1]
+        out[p, 4] = ((state[p, HAND_LEFT] == TRACKED) + (state[p, HAND_RIGHT] == TRACKED)) / 2.0
 
 
 class Glimpses:
