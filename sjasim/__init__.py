@@ -17,15 +17,17 @@ if TYPE_CHECKING:
     from .anticipation import synchrony
     from .config import SessionConfig
     from .logs import SessionLog
+    from .recorded import detect_events
     from .session import run_session
 
 __version__ = "0.1.0"
 
-__all__ = ["SessionConfig", "SessionLog", "__version__", "measures", "run_session", "synchrony"]
+__all__ = ["SessionConfig", "SessionLog", "__version__", "detect_events", "measures", "run_session", "synchrony"]
 
 _PUBLIC = {
     "SessionConfig": (".config", "SessionConfig"),
     "SessionLog": (".types", "SessionLog"),
+    "detect_events": (".recorded", "detect_events"),
     "measures": (".analysis.measures", "measures"),
     "run_session": (".session", "run_session"),
     "synchrony": (".anticipation.synchrony", None),
