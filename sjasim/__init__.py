@@ -13,6 +13,7 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .analysis.calibration import fit_timing
     from .analysis.measures import measures
     from .anticipation import synchrony
     from .config import SessionConfig
@@ -22,12 +23,15 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-__all__ = ["SessionConfig", "SessionLog", "__version__", "detect_events", "measures", "run_session", "synchrony"]
+__all__ = [
+    "SessionConfig", "SessionLog", "__version__", "detect_events", "fit_timing", "measures", "run_session", "synchrony",
+]  # fmt: skip
 
 _PUBLIC = {
     "SessionConfig": (".config", "SessionConfig"),
     "SessionLog": (".types", "SessionLog"),
     "detect_events": (".recorded", "detect_events"),
+    "fit_timing": (".analysis.calibration", "fit_timing"),
     "measures": (".analysis.measures", "measures"),
     "run_session": (".session", "run_session"),
     "synchrony": (".anticipation.synchrony", None),

@@ -23,6 +23,7 @@ from .humans.balance import Balance
 from .humans.body import body_model
 from .humans.motion import PREVIEW_S, Planner
 from .humans.reference import Reference
+from .humans.replay import Replay
 from .humans.timing import SOONEST_S
 from .ledger import Ledger
 from .logs import AgentEvent, Notice
@@ -151,6 +152,8 @@ class PhysicsWorld:
         omega = np.array([planner.omega for planner in self._planners])
         self.balance = Balance(reference, omega, rate, self.stage.servos)
         self._timing = people(config, timetable)
+        if isinstance(self._timing, Replay):
+            self.notices.extend(self._timing.notices)
         self._busy_s = np.zeros(config.group)
         self._decided: list[deque[Cue]] = [deque() for _ in range(config.group)]
         self._set_out_s = 0.0

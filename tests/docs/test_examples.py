@@ -1,11 +1,17 @@
 """The README's example is a method: it keeps the contract and commands every step that its dancer dances."""
 
+import dataclasses
 import json
 import re
 from pathlib import Path
 
+import gymnasium as gym
 import numpy as np
 import pytest
+from sjasim_envs import ENVIRONMENTS
+from sjasim_envs.dance import OPTIONS
+from sjasim_envs.reward import RewardConfig
+from sjasim_envs.wrappers import Told
 
 from sjasim.answers import Brief, Intention
 from sjasim.anticipation import method
@@ -54,9 +60,25 @@ def test_the_readme_names_files_and_figures_that_exist():
         json.loads(block)
 
 
+def test_the_page_of_the_environments_names_what_they_have():
+    page = (ROOT / "docs" / "environment.md").read_text(encoding="utf-8")
+    env = gym.make("sjasim:sjasim/Dance-v0", disable_env_checker=True)
+    dancers, steps = env.unwrapped.config.group, env.observation_space["last_iteration"].shape[1]
+    for name, space in env.observation_space.items():
+        shape = str(space.shape).replace(str((dancers, steps)), "(D, K)").replace(f"({dancers}, ", "(D, ")
+        assert f"| `{name}` | {shape} |" in page, name
+    for field in dataclasses.fields(RewardConfig):
+        assert f"`{field.name}` {field.default:g}" in page, field.name
+    assert all(f"`{name}`" in page for name in (*ENVIRONMENTS, *OPTIONS))
+    assert f"{Told(env).observation_space.shape[0]} numbers" in page
+    assert page.count("<!-- ") == 2
+
+
 def test_the_training_example_learns_for_some_seconds(monkeypatch, capsys):
     code = (ROOT / "docs" / "examples" / "train.py").read_text(encoding="utf-8")
-    assert sum(1 for line in code.splitlines()[3:] if line.strip()) <= 14
-    short = code.replace("iterations=1,", 'iterations=1, dance={"rehearsal": False, "bpm": 200.0},')
+    imports, lines = code.partition('"""\n\n')[2].split("\n\n")
+    assert len(lines.splitlines()) == 10
+    assert f"```python\n{imports}\n\n{lines}```" in (ROOT / "docs" / "environment.md").read_text(encoding="utf-8")
+    short = code.replace('"rehearsal": False', '"rehearsal": False, "bpm": 200.0')
     exec(compile(short.replace("range(3)", "range(1)"), "train.py", "exec"), {})
     assert "episode 0: return" in capsys.readouterr().out
