@@ -115,6 +115,7 @@ def test_the_readmes_participants_are_fitted_and_dance(tmp_path, monkeypatch, ca
     monkeypatch.setattr("sjasim.run.dance", dance)
     text = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Your own participants")[2]
     commands = re.findall(r"^python3 scripts/launch.py (\w+) ([^#\n]*)", text.partition("\n## ")[0], re.M)
+    commands = [(name, arguments) for name, arguments in commands if name in ("calibrate", "run")]
     assert [name for name, _ in commands] == ["calibrate", "run", "run"]
     for name, arguments in commands:
         ended = cli.main(importlib.import_module(f"sjasim.{name}").command, arguments.split())
