@@ -13,14 +13,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from .analysis.movement import rise_times, slips, timing_errors
-from .assets.names import JOINT_INDEX
 from .choreography.layout import layout
 from .choreography.timetable import timetable
 from .config import BodyConfig, DanceConfig, SessionConfig
 from .types import Array, Cue, Kind, Move, WheelCommand, dancer_name
 from .worlds import PhysicsWorld
 
-_ANKLES = [JOINT_INDEX["AnkleLeft"], JOINT_INDEX["AnkleRight"]]
 FULL_RANGE = BodyConfig(stature_m=(1.50, 1.95), mass_kg=(50.0, 100.0))
 """Everybody that can be built."""
 PUSH_S = 0.2
@@ -59,7 +57,8 @@ class Rehearsal(PhysicsWorld):
         self._plan_s, self._set_out_s = math.inf, 0.0
 
     def look(self, now: float) -> None:
-        """Nobody does."""
+        """Nobody does; but what the floor carries is felt."""
+        self.stage.feel()
 
     def drive(self, now: float) -> None:
         """See `PhysicsWorld`."""
@@ -77,20 +76,17 @@ class Rehearsal(PhysicsWorld):
 
     def _move(self, now: float) -> None:
         super()._move(now)
-        stage, count = self.stage, len(self._fallen)
-        hands, tether = np.zeros((count, 2, 3)), np.zeros((count, 5))
-        stage.copy_hands(hands)
-        stage.copy_tether(tether)
+        states, count = self.stage.states(), len(self._fallen)
         tick = np.minimum(round(now * self._config.stage.balance_hz), self.reference.until - 1)
         planned, landing = (column[range(count), tick] for column in (self.reference.pelvis, self.reference.landing))
-        feet = stage.joints_m[:, _ANKLES, :2]
-        palms = np.sqrt(((hands[:, 0] - hands[:, 1]) ** 2).sum(axis=1))
-        self._rows.append((np.array(now), stage.states().root, palms, feet, tether, stage.loads(), planned, landing))
+        palms = np.sqrt(((states.hands[:, 0] - states.hands[:, 1]) ** 2).sum(axis=1))
+        feet = states.ankles[:, :, :2]
+        self._rows.append((np.array(now), states.root, palms, feet, states.tether, states.load, planned, landing))
 
     def movement(self) -> Movement:
         """What has been danced so far."""
         columns = [np.array(column) for column in zip(*self._rows, strict=True)]
-        return Movement(*columns, self.stage.servos.weight, tuple(self.cues), int(self._fallen.sum()))
+        return Movement(*columns, self.stage.servos.weight, tuple(self.cues), sum(self._fallen))
 
 
 @dataclasses.dataclass(frozen=True)

@@ -79,11 +79,14 @@ def planned(
     slot: Array | None = None,
     heading_rad: float = 0.0,
 ) -> Reference:
-    """The motion of one dancer on a grid of 30 Hz."""
+    """The motion of one dancer on a grid of 30 Hz: joints, pelvis and yaw, at rest after the last cue."""
     reference = Reference.empty(1, round(length_s * RATE_HZ)).of(0)
     at = np.zeros(2) if slot is None else slot
     planner = Planner(body, at, heading_rad, 0.5, math.pi / 2, RATE_HZ, reference)
     planner.extend(cues, 0.0)
+    known = int(reference.until[0])
+    for column in (reference.joints, reference.pelvis, reference.yaw):
+        column[known:] = column[known - 1]
     return reference
 
 

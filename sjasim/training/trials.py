@@ -68,7 +68,7 @@ class PosedView:
         """What there is to see."""
         return self._stage.geoms
 
-    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: float) -> BoolArray:
+    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: Array) -> BoolArray:
         """See `types.StageView`."""
         return self._stage.hidden(origin, points, whose, flesh_m)
 

@@ -139,7 +139,7 @@ class ScriptedView:
         self.yaw_rad = np.array([heading for _, heading in states])
         return self
 
-    def hidden(self, origin: np.ndarray, points: np.ndarray, whose: np.ndarray, flesh_m: float) -> np.ndarray:
+    def hidden(self, origin: np.ndarray, points: np.ndarray, whose: np.ndarray, flesh_m: np.ndarray) -> np.ndarray:
         way = points - origin
         length = np.linalg.norm(way, axis=1)
         out = np.zeros(len(points), dtype=bool)
