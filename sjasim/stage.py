@@ -168,14 +168,13 @@ class Stage:
         self._shell = np.array([name.startswith(ROBOT_PREFIX) for name in names])
         for index, prefix in enumerate(prefixes):
             owner[[name.startswith(prefix) for name in names]] = index
-        self._owner = owner
         self._flesh = owner >= 0
         self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
-        self._kinds = m.geom_type.astype(np.int64)
-        self._sizes, self._bounds = m.geom_size, m.geom_rbound
         self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
-        self._form, self._size = self._kinds[self._solid], m.geom_size[self._solid]
+        self._form, self._size = m.geom_type[self._solid].astype(np.int64), m.geom_size[self._solid]
         self._solid_owner = owner[self._solid]
+        self._hiding = np.column_stack([self._solid, self._solid_owner, self._form])
+        self._hiding_size = np.column_stack([self._size, m.geom_rbound[self._solid]])
         if self.has_robot:
             self._base = m.body(f"{ROBOT_PREFIX}base").id
             self._wheels = [m.actuator(f"{ROBOT_PREFIX}{name}").id for name in ("wheel_l", "wheel_r")]
@@ -304,8 +303,7 @@ class Stage:
         """Which points (N, 3) something hides from an eye; see `types.StageView`."""
         out = np.empty(len(points), dtype=bool)
         hidden(
-            origin, points, whose, flesh_m, self._solid, self._owner, self._kinds, self._sizes, self._bounds,
-            self._positions, self._rotations, out,
+            origin, points, whose, flesh_m, self._hiding, self._hiding_size, self._positions, self._rotations, out,
         )  # fmt: skip
         return out
 

@@ -112,6 +112,7 @@ class PhysicsWorld:
 
     Attributes:
         active: the sensor whose skeletons are recorded; whoever knows which client counts says so.
+        sensing: what sees for each sensor, by its name.
         watchers: called with the session time at every frame tick; they look and change nothing.
     """
 
@@ -162,7 +163,7 @@ class PhysicsWorld:
 
     def _equip(self, config: SessionConfig, layout: Layout, robot: bool) -> None:
         ticks = self.stage.ticks
-        self._sensing: dict[str, Sensing] = {}
+        self.sensing: dict[str, Sensing] = {}
         self._mounts = {mount.name: mount for mount in layout.mounts}
         self._clients = {mount.name: self._client(config, layout, index) for index, mount in enumerate(layout.mounts)}
         self._balance_task = Task(ticks, config.stage.balance_hz)
@@ -192,7 +193,7 @@ class PhysicsWorld:
         )
         factory = cast("Callable[..., Sensing]", resolve("sensing", config.sensing).factory)
         rng = stream(config.seed, "sensors", config.sensing, mount.name)
-        sensing = self._sensing[mount.name] = factory(mount, config.sensors, config.group, rng)
+        sensing = self.sensing[mount.name] = factory(mount, config.sensors, config.group, rng)
         dead_from_s = faults["dead_sensor"].t_s if "dead_sensor" in faults else math.inf
         return Client(mount, sensing, config.detectors, config.sensors, clock, dead_from_s=dead_from_s)
 
@@ -275,11 +276,11 @@ class PhysicsWorld:
         for name, client in self._clients.items():
             skeletons = client.capture(now, self.stage)
             if name == self.active and skeletons is not None:
-                self.ledger.estimate(skeletons, self._sensing[name].dancers, self._mounts[name])
+                self.ledger.estimate(skeletons, self.sensing[name].dancers, self._mounts[name])
             if client.next_output_s <= now + ROUNDING_S:
                 self._outbox.extend(client.outputs(now))
         faced = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
-        sensing = self._sensing[faced]
+        sensing = self.sensing[faced]
         watched = self._clients[faced].watches(now)
         self.ledger.see(self.stage.joints_m, sensing.visible if watched else None, sensing.dancers)
         for watch in self.watchers:

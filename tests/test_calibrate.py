@@ -61,6 +61,18 @@ def test_the_fit_as_json_and_in_python_are_one(table, capsys):
     assert told["estimates"]["coupling"]["value"] == pytest.approx(fit.estimates["coupling"].value)
 
 
+def test_one_performance_has_a_lateness_without_an_interval(tmp_path, capsys):
+    rng = np.random.default_rng(5)
+    rows = [(0.6 * k + 0.02 * rng.normal(), who) for k in range(40) for who in "ab"]
+    lines = [f"s,1,{who},clap,{t_s:.4f}" for t_s, who in sorted(rows)]
+    path = tmp_path / "taps.csv"
+    path.write_text("\n".join(["session,iteration,agent,kind,t_s", *lines]) + "\n")
+    assert cli.main(calibrate.command, [str(path), "--time", "free", "--json"]) == 0
+    estimates = json.loads(capsys.readouterr().out)["estimates"]
+    assert estimates["late_s[1]"]["low"] is None
+    assert 0.0 < estimates["timekeeper_s"]["high"] < 0.05
+
+
 def test_bad_input_is_one_line(table, tmp_path, capsys):
     text = table.read_text().splitlines()
     text[3] = text[3].rpartition(",")[0] + ",soon"

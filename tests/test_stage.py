@@ -58,7 +58,7 @@ def test_what_is_hidden_agrees_with_single_rays():
     origin = np.array([0.3, 3.0, 1.0])
     points = rng.uniform([-1.5, -1.5, 0.05], [1.5, 1.5, 1.9], (400, 3))
     whose = rng.integers(0, 3, 400)
-    hidden = stage.hidden(origin, points, whose, 0.0)
+    hidden = stage.hidden(origin, points, whose, np.zeros(400))
     groups = np.array([1, 1, 1, 0, 1, 1], dtype=np.uint8)
     for point, told in zip(points, hidden, strict=True):
         way = point - origin

@@ -65,7 +65,7 @@ class SensorConfig:
 
 @dataclass(frozen=True, slots=True)
 class DetectorConfig:
-    """Thresholds of the clients' event detectors; each says what a larger value does.
+    """Thresholds of the clients' event detectors; each says what a larger value does. Frames are those of 30 Hz.
 
     Attributes:
         difference_frames: frames over which SpineBase's velocity is taken; more is smoother and later.

@@ -18,13 +18,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from enum import IntEnum
 from typing import NamedTuple
 
 from ..config import DetectorConfig
 from ..types import DeviceEvent, IntArray, Kind, MoveDuration, SkeletonFrame
 from .claps import ClapDetector
-from .glimpse import Glimpse, Glimpses
+from .glimpse import Glimpse, Glimpses, frames_at
 
 FACING_RAD = math.radians(45.0)
 """Largest heading relative to the sensor at which events count: a skeleton's depth errors double by 45 degrees."""
@@ -199,8 +200,8 @@ class Detectors:
         rate_hz: nominal frame rate.
     """
 
-    def __init__(self, config: DetectorConfig, rate_hz: int) -> None:
-        self._config = config
+    def __init__(self, config: DetectorConfig, rate_hz: float) -> None:
+        self._config = replace(config, early_frames=frames_at(rate_hz, config.early_frames))
         self._glimpses = Glimpses(config, rate_hz)
         self._durations: dict[int, dict[Kind, float]] = {}
         self._persons: IntArray | None = None

@@ -135,6 +135,15 @@ def report(joints: Array, state: NDArray[np.int8], pose: Array, bearing_rad: flo
         out[p, 4] = ((state[p, HAND_LEFT] == TRACKED) + (state[p, HAND_RIGHT] == TRACKED)) / 2.0
 
 
+BASE_HZ = 30
+"""Frame rate that the thresholds' frames are meant for; at another one they stand for the same times."""
+
+
+def frames_at(rate_hz: float, frames: int) -> int:
+    """How many frames of another rate last as long as so many at `BASE_HZ`; at least one."""
+    return max(1, round(frames * rate_hz / BASE_HZ))
+
+
 class Glimpses:
     """Turns frames into glimpses; remembers as many frames as a speed needs.
 
@@ -143,15 +152,16 @@ class Glimpses:
 
     Args:
         config: frames per speed and the early events' floor.
-        rate_hz: nominal frame rate, which turns the floor per frame into a speed.
+        rate_hz: nominal frame rate.
 
     Attributes:
         span_s: time over which the last frame's speeds were taken [s].
     """
 
-    def __init__(self, config: DetectorConfig, rate_hz: int) -> None:
-        self._floor_m_s = config.early_step_m * rate_hz
-        self._frames = config.difference_frames
+    def __init__(self, config: DetectorConfig, rate_hz: float) -> None:
+        self._floor_m_s = config.early_step_m * BASE_HZ
+        self._step = frames_at(rate_hz, 1)
+        self._frames = max(self._step, frames_at(rate_hz, config.difference_frames))
         self._past: deque[tuple[float, Array]] = deque(maxlen=self._frames)
         self.span_s = 0.0
 
@@ -171,7 +181,7 @@ class Glimpses:
         t_s, past = frame.t_sensor_s, self._past
         joints = frame.skeletons.joints
         seen = np.empty((len(joints), _COLUMNS))
-        before_s, before = past[-1] if past else (t_s, seen)
+        before_s, before = past[-min(self._step, len(past))] if past else (t_s, seen)
         oldest_s, oldest = past[0] if len(past) == self._frames else (t_s, seen)
         self.span_s = t_s - oldest_s
         _look(joints, frame.skeletons.state, before, oldest, self._floor_m_s * (t_s - before_s), self.span_s, seen)
