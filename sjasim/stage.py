@@ -174,7 +174,7 @@ class Stage:
         self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
         self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
         self._form, self._size = m.geom_type[self._solid].astype(np.int64), m.geom_size[self._solid]
-        self._solid_owner = owner[self._solid]
+        self._owner, self._solid_owner = owner, owner[self._solid]
         self._hiding = np.column_stack([self._solid, self._solid_owner, self._form])
         self._hiding_size = np.column_stack([self._size, m.geom_rbound[self._solid]])
         if self.has_robot:
