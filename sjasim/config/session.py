@@ -13,7 +13,6 @@ from .robot import RobotConfig
 from .room import BodyConfig, DanceConfig, RoomConfig, StageConfig
 from .sensing import DetectorConfig, SensorConfig
 
-
 FREE_STAGE = StageConfig(rate_hz=240, balance_hz=240)
 """Physics of dancers without a tether, unless a session asks for other rates: who balances alone balances often."""
 

@@ -45,6 +45,10 @@ CLAPPING_RATIO = 1.0
 """Hands nearer than this many shoulder widths may clap: early starts are disarmed until ``clap_rest_s`` after it,
 also when the clap itself stayed hidden (assumed)."""
 
+TOUCHING_RATIO, STILL_RATIO = 0.3, 0.05
+"""Hands nearer than the first may touch; from frame to frame their ratio is uncertain by less than the second: some
+1 cm per hand (assumed)."""
+
 _UPPER_JOINTS = 4
 _ROUNDING_S = 1e-6
 
@@ -194,6 +198,9 @@ class MotionDetector:
 class ClapDetector:
     """Claps of one person: local minima of the hand ratio below ``clap_ratio``.
 
+    Hands that touch stay together for a while; among the small numbers of that while the least is chance. There the
+    minimum is where the ratio stops falling, by less than `STILL_RATIO` between frames.
+
     The event comes with the frame after the minimum. Hands must have been apart (ratio above ``clap_ratio``) since
     the last clap, which must be ``clap_rest_s`` ago: hands held together clap once. A frame without a ratio
     (something not tracked, or not facing the sensor) forgets the frames before it, so that a hand that jumps into
@@ -221,7 +228,7 @@ class ClapDetector:
         least, t_least_s = self._last, self._t_last_s
         found = (
             self._apart
-            and self._before >= least < ratio
+            and self._before >= least < ratio + (STILL_RATIO if least < TOUCHING_RATIO else 0.0)
             and least < self._c.clap_ratio
             and t_s - self._t_clap_s >= self._c.clap_rest_s
         )

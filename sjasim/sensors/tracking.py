@@ -50,6 +50,8 @@ COMMON_S = 0.08
 OWN_MOTION_S, SPIN_S, SPIN_RAD_S = 0.40, 0.15, 0.4
 """Time constant with which a joint of the trunk leaves the motion that all of the trunk has in common, which shakes
 less than each: shorter the faster the person turns, by a rate smoothed with the second (assumed)."""
+TOUCH_M, CLASP_S = 0.16, 0.4
+"""Hands that were seen closer than this hide each other, and are known for so long all the same (assumed)."""
 CROWN = 0.965
 """Height of the crown over stature, as pixels show it standing."""
 STATURE_M = (1.35, 2.10)
@@ -60,8 +62,13 @@ RISE_S, SINK_S, HIDDEN_SHARE = 0.3, 4.0, 0.93
 _TRUNK = np.zeros(len(JOINTS), dtype=bool)
 _TRUNK[[*posture.TRUNK, JOINT_INDEX["Head"]]] = True
 _SETTLE_S = np.where(_TRUNK, SETTLE_TRUNK_S, SETTLE_LIMB_S)
+_UPPER = ("SpineShoulder", "Neck", "Head", "Shoulder", "Elbow", "Wrist", "Hand", "Thumb")
+"""Joints that go with the upper trunk; it leans before the lower one walks."""
 _STEADY = np.zeros(len(JOINTS), dtype=bool)
 _STEADY[posture.TRUNK] = True
+_PART = np.array([int(name.startswith(_UPPER)) for name in JOINTS])
+HANDS = [[JOINT_INDEX[f"{name}{side}"] for name in ("Wrist", "Hand", "HandTip", "Thumb")] for side in ("Left", "Right")]
+"""Wrists, hands, tips and thumbs, left and right."""
 FRESH = -1
 """State of a joint that has just become known."""
 _PLACE = [JOINT_INDEX["SpineBase"], JOINT_INDEX["SpineMid"]]
@@ -70,6 +77,22 @@ _PLACE = [JOINT_INDEX["SpineBase"], JOINT_INDEX["SpineMid"]]
 def blend(interval_s: float, constant_s: float) -> float:
     """Share of the way to go in an interval."""
     return 1.0 - math.exp(-interval_s / constant_s)
+
+
+@njit(cache=True)
+def _common(found: Array, seen: posture.Seen, joints: Array, state: NDArray[np.int8]) -> Array:
+    """(2, 3) what the lower and the upper trunk go beyond their predictions; each as the other where it is hidden."""
+    moved, steady = np.zeros((2, 3)), np.zeros(2)
+    for j in posture.TRUNK:
+        if seen[j] and state[j] == TRACKED:
+            moved[_PART[j]] += found[j] - joints[j]
+            steady[_PART[j]] += 1.0
+    for part in range(2):
+        if steady[part] == 0.0:
+            moved[part], steady[part] = moved[1 - part], steady[1 - part]
+    for part in range(2):
+        moved[part] /= max(steady[part], 1.0)
+    return moved
 
 
 @njit(cache=True)
@@ -90,16 +113,12 @@ def _follow(
         state: (25,) of the last frame, and afterwards of this one.
         carry: (25, 3) what is left of such ways.
     """
-    moved, steady = np.zeros(3), 0
     for j in range(len(joints)):
         if math.isnan(joints[j, 0]):
             joints[j], state[j] = likely[j], FRESH
-    for j in posture.TRUNK:
-        if seen[j] and state[j] == TRACKED:
-            moved += found[j] - joints[j]
-            steady += 1
-    moved /= max(steady, 1)
+    motions = _common(found, seen, joints, state)
     for j in range(len(joints)):
+        moved = motions[_PART[j]]
         before, after = joints[j], joints[j] + moved + shares[0] * (likely[j] - joints[j] - moved)
         if not seen[j]:
             carry[j] = 0.0
@@ -142,6 +161,7 @@ class Person:
         joints: (25, 3) last joints, NaN before the first.
         state: (25,) how they are known.
         carry: (25, 3) what is left of the way of joints that came back into sight.
+        clasped_s: (4,) for how long wrists, hands, tips and thumbs have not both been seen.
     """
 
     name: int
@@ -158,6 +178,7 @@ class Person:
     joints: Array = field(default_factory=lambda: np.full((len(JOINTS), 3), np.nan))
     state: NDArray[np.int8] = field(default_factory=lambda: np.zeros(len(JOINTS), np.int8))
     carry: Array = field(default_factory=lambda: np.zeros((len(JOINTS), 3)))
+    clasped_s: Array = field(default_factory=lambda: np.zeros(4))
 
     @property
     def confirmed(self) -> bool:
@@ -210,6 +231,23 @@ class Person:
         self.carry[:] = 0.0
         state = INFERRED if self.missing_s <= INFER_S else NOT_TRACKED
         self.state = np.where(np.isnan(self.joints[:, 0]), NOT_TRACKED, state).astype(np.int8)
+
+    def clasp(self, joints: Array, seen: posture.Seen, interval_s: float) -> None:
+        """Count hands that touch as seen for a while: each hides the other's surface, and neither goes far.
+
+        Args:
+            joints: (25, 3) where votes agree.
+            seen: (25,) which of them are supported; changed in place.
+            interval_s: since the last frame.
+        """
+        left, right = HANDS
+        both = seen[left] & seen[right]
+        apart = joints[left] - joints[right]
+        near = (apart * apart).sum(axis=1) < TOUCH_M * TOUCH_M
+        held = near & (self.state[left] == TRACKED) & (self.state[right] == TRACKED) & (self.clasped_s < CLASP_S)
+        self.clasped_s = np.where(both, 0.0, self.clasped_s + interval_s)
+        seen[left] |= held
+        seen[right] |= held
 
     def see(self, joints: Array, seen: NDArray[np.bool_], weights: Array, mean: Array, interval_s: float) -> None:
         """Take in a frame's joints.

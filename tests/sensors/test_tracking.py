@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from sjasim.assets.names import JOINTS
 from sjasim.sensors import posture, tracking
 from sjasim.sensors.model import default, unpacked
 from sjasim.sensors.tracking import Person, found_again, without_doubles
@@ -134,3 +135,30 @@ def test_the_forest_rights_a_yaw_that_has_gone_astray():
     assert abs(tracking.wrapped(one.yaw_rad - 3.0)) < 0.6
     one.turn(np.zeros(3), DT_S)
     assert not math.isnan(one.yaw_rad)
+
+
+def test_hands_that_touch_stay_known_for_a_while_and_hands_apart_do_not():
+    left, right = tracking.HANDS
+    for gap_m, held in ((0.06, True), (0.40, False)):
+        one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
+        joints[right] = joints[left] + [gap_m, 0.0, 0.0]
+        step(one, joints)
+        for _ in range(6):
+            step(one, joints)
+        seen[[*left, *right]] = False
+        for tick in range(20):
+            counted = seen.copy()
+            one.clasp(joints, counted, DT_S)
+            step(one, joints, counted)
+            known = tick * DT_S < tracking.CLASP_S + 1e-9 and held
+            assert counted[left].all() == counted[right].all() == known
+
+
+def test_a_lean_of_the_upper_trunk_does_not_move_the_spine_base():
+    one = person()
+    upper = [JOINTS.index(name) for name in ("SpineShoulder", "Neck", "ShoulderLeft", "ShoulderRight")]
+    for tick in range(1, 6):
+        leaning = standing(0.0, 3.0)
+        leaning[upper, 2] -= 0.02 * tick
+        step(one, leaning)
+    assert one.joints[0, 2] == pytest.approx(standing(0.0, 3.0)[0, 2], abs=0.002)
