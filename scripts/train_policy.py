@@ -1,8 +1,13 @@
 #!/usr/bin/env python3
-"""Train a policy for sjasim/Dance-v0 with PPO, and save it so that it dances as an anticipation method.
+"""Train a policy with PPO on the physics; the file it leaves dances as the method ``learned``.
 
 python scripts/train_policy.py --minutes 10 --out runs/policy
-python -m sjasim.run --method learned --method-options policy runs/policy/policy.npz
+python -m sjasim.run --method learned --policy runs/policy/policy.npz
+
+The agent is told what an anticipation method is told, and each of its moves means the score's step nearest to it
+(`sjasim_envs.wrappers.Told`, `InOrder`), so that it dances afterwards as it was trained. It begins with a network that
+mostly holds the move in force: an agent that sends every step as soon as it may would never find out what waiting is
+good for.
 """
 
 from __future__ import annotations
@@ -25,6 +30,9 @@ try:
 except ImportError as missing:
     sys.exit(f"error: {missing}; training needs the extra 'rl': pip install -e '.[rl]'")
 
+MOVE_IN_FORCE = range(9, 13)
+"""Where the features tell it, one of four."""
+
 
 @dataclass(frozen=True)
 class Options:
@@ -35,9 +43,11 @@ class Options:
         out: folder of the policy and of its checkpoints.
         envs: environments, each in a process of its own.
         step_hz: decisions per second.
-        iterations: of each dance.
+        iterations: of each dance; without a rehearsal, in which there is nothing to learn.
         seed: of everything; seeds of groups are drawn from it.
         rollout: steps of each environment between two updates.
+        learning_rate: at the beginning; it falls to nothing with the time that is left.
+        hold: how much more than others the network wants the move in force before it has learnt anything.
         checkpoint: updates between two checkpoints.
         resume: folder to go on from.
     """
@@ -46,15 +56,17 @@ class Options:
     out: Path = Path("runs/policy")
     envs: int = 2
     step_hz: int = 6
-    iterations: int = 2
+    iterations: int = 4
     seed: int = 0
-    rollout: int = 1024
+    rollout: int = 512
+    learning_rate: float = 1e-3
+    hold: float = 3.0
     checkpoint: int = 10
     resume: Path | None = None
 
 
 class Keeper(BaseCallback):
-    """Shows progress on stderr, writes checkpoints, and ends the training when its time is over."""
+    """Shows progress on stderr, writes checkpoints, lowers the learning rate, and ends when the time is over."""
 
     def __init__(self, options: Options) -> None:
         super().__init__()
@@ -62,34 +74,82 @@ class Keeper(BaseCallback):
         self._began_s = time.monotonic()
         self._updates = 0
 
+    @property
+    def spent(self) -> float:
+        """Share of the time that has passed, at most 1."""
+        return min((time.monotonic() - self._began_s) / (60.0 * self._options.minutes), 1.0)
+
     def _on_step(self) -> bool:
-        return time.monotonic() - self._began_s < self._options.minutes * 60.0
+        return self.spent < 1.0
 
     def _on_rollout_end(self) -> None:
         self._updates += 1
-        returns = [episode["r"] for episode in self.model.ep_info_buffer]
+        self.model.lr_schedule = lambda _: self._options.learning_rate * max(1.0 - self.spent, 0.02)
+        returns = [episode["r"] for episode in list(self.model.ep_info_buffer)[-20:]]
         mean = f"{np.mean(returns):.2f}" if returns else "-"
-        spent = (time.monotonic() - self._began_s) / 60.0
-        sys.stderr.write(f"{spent:6.1f} min  {self.num_timesteps:8d} steps  return of the last episodes {mean}\n")
+        minutes = self.spent * self._options.minutes
+        sys.stderr.write(f"{minutes:6.1f} min  {self.num_timesteps:8d} steps  return of the last episodes {mean}\n")
         if self._updates % self._options.checkpoint == 0:
             save(self.model, self._options, f"checkpoint-{self.num_timesteps}")
+
+
+class Scaled(gym.ObservationWrapper):
+    """Features whose bounds are -2 and 2; the policy's file tells how.
+
+    Args:
+        env: an environment wrapped in `Told`.
+    """
+
+    def __init__(self, env: gym.Env) -> None:
+        super().__init__(env)
+        low, high = env.observation_space.low, env.observation_space.high
+        self.mean, self.std = (low + high) / 2, (high - low) / 4
+        self.observation_space = gym.spaces.Box(-2.0, 2.0, low.shape, np.float32)
+
+    def observation(self, observation: np.ndarray) -> np.ndarray:
+        """The same, scaled."""
+        return ((observation - self.mean) / self.std).astype(np.float32)
+
+
+def make(options: Options) -> Scaled:
+    """An environment as the method ``learned`` will meet it."""
+    env = gym.make(
+        "sjasim:sjasim/Dance-v0", iterations=options.iterations, step_hz=options.step_hz, dance={"rehearsal": False},
+        disable_env_checker=True,
+    )  # fmt: skip
+    from sjasim_envs.wrappers import InOrder, Told
+
+    return Scaled(Told(InOrder(env)))
+
+
+def layers(model: PPO) -> list[torch.nn.Linear]:
+    """The policy's layers, first to last."""
+    network = model.policy
+    return [
+        *(part for part in network.mlp_extractor.policy_net if isinstance(part, torch.nn.Linear)),
+        network.action_net,
+    ]
+
+
+def begin_by_holding(model: PPO, hold: float) -> None:
+    """Let four units of every layer hand the move in force on to its own score."""
+    first, *between, last = layers(model)
+    with torch.no_grad():
+        for layer, sources in ((first, MOVE_IN_FORCE), *((layer, range(4)) for layer in between)):
+            layer.weight[:4], layer.bias[:4] = 0.0, 0.0
+            for unit, source in enumerate(sources):
+                layer.weight[unit, source] = 1.0
+        last.weight[:, :4] = hold * torch.eye(4)
 
 
 def save(model: PPO, options: Options, name: str = "policy") -> None:
     """Write the training's state, and the policy as plain arrays."""
     options.out.mkdir(parents=True, exist_ok=True)
     model.save(options.out / f"{name}.zip")
-    normal = model.get_vec_normalize_env()
-    normal.save(str(options.out / f"{name}-normal.pkl"))
-    network = model.policy
-    layers = [part for part in network.mlp_extractor.policy_net if isinstance(part, torch.nn.Linear)]
-    arrays = {
-        "mean": normal.obs_rms.mean,
-        "std": np.sqrt(normal.obs_rms.var + normal.epsilon),
-        "clip": np.array(normal.clip_obs),
-        "step_hz": np.array(options.step_hz),
-    }
-    for index, layer in enumerate([*layers, network.action_net]):
+    model.get_vec_normalize_env().save(str(options.out / f"{name}-normal.pkl"))
+    scaled = make(options)
+    arrays = {"mean": scaled.mean, "std": scaled.std, "clip": np.array(2.0), "step_hz": np.array(options.step_hz)}
+    for index, layer in enumerate(layers(model)):
         arrays[f"w{index}"] = layer.weight.detach().cpu().numpy()
         arrays[f"b{index}"] = layer.bias.detach().cpu().numpy()
     np.savez(options.out / f"{name}.npz", **arrays)
@@ -98,25 +158,15 @@ def save(model: PPO, options: Options, name: str = "policy") -> None:
 def main(options: Options) -> None:
     """Train until the time is over."""
     torch.set_num_threads(1)
-
-    def make() -> gym.Env:
-        env = gym.make(
-            "sjasim:sjasim/Dance-v0", iterations=options.iterations, step_hz=options.step_hz, skip_rehearsal=True,
-            disable_env_checker=True,
-        )  # fmt: skip
-        from sjasim_envs.wrappers import Told
-
-        return Monitor(Told(env))
-
-    raw = SubprocVecEnv([make] * options.envs) if options.envs > 1 else DummyVecEnv([make])
+    makers = [lambda: Monitor(make(options))] * options.envs
+    raw = SubprocVecEnv(makers) if options.envs > 1 else DummyVecEnv(makers)
     if options.resume is None:
         model = PPO(
-            "MlpPolicy", VecNormalize(raw, gamma=0.98), n_steps=options.rollout, batch_size=256, n_epochs=6,
-            gamma=0.98, gae_lambda=0.95, ent_coef=0.01, learning_rate=5e-4, seed=options.seed, device="cpu",
-            policy_kwargs={"net_arch": [64, 64]},
+            "MlpPolicy", VecNormalize(raw, norm_obs=False, gamma=0.97), n_steps=options.rollout, batch_size=128,
+            n_epochs=10, gamma=0.97, gae_lambda=0.95, ent_coef=0.005, learning_rate=options.learning_rate,
+            seed=options.seed, device="cpu", policy_kwargs={"net_arch": [64, 64]},
         )  # fmt: skip
-        with torch.no_grad():  # begin by holding still, so that what a move is good for shows
-            model.policy.action_net.bias.copy_(torch.tensor([2.0, 0.0, 0.0, 0.0]))
+        begin_by_holding(model, options.hold)
     else:
         normal = VecNormalize.load(str(options.resume / "policy-normal.pkl"), raw)
         model = PPO.load(options.resume / "policy.zip", env=normal, device="cpu")

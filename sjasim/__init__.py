@@ -13,19 +13,25 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .analysis.calibration import fit_timing
     from .analysis.measures import measures
     from .anticipation import synchrony
     from .config import SessionConfig
     from .logs import SessionLog
+    from .recorded import detect_events
     from .session import run_session
 
 __version__ = "0.1.0"
 
-__all__ = ["SessionConfig", "SessionLog", "__version__", "measures", "run_session", "synchrony"]
+__all__ = [
+    "SessionConfig", "SessionLog", "__version__", "detect_events", "fit_timing", "measures", "run_session", "synchrony",
+]  # fmt: skip
 
 _PUBLIC = {
     "SessionConfig": (".config", "SessionConfig"),
     "SessionLog": (".types", "SessionLog"),
+    "detect_events": (".recorded", "detect_events"),
+    "fit_timing": (".analysis.calibration", "fit_timing"),
     "measures": (".analysis.measures", "measures"),
     "run_session": (".session", "run_session"),
     "synchrony": (".anticipation.synchrony", None),

@@ -52,16 +52,19 @@ class Options:
 def command(arguments: Sequence[str]) -> None:
     """Measure and print."""
     options = cli.parse(Options, arguments, Options(), "python -m sjasim.benchmark", ABOUT)
-    from .profiling import profile, profile_env
+    from sjasim_envs.profiling import profile_env, profile_workers
 
-    sys.stderr.write("measuring one session and its raw physics ...\n")
+    from .profiling import profile, profile_depth
+
+    sys.stderr.write("measuring sessions and their raw physics ...\n")
     config = SessionConfig(method=options.method, seed=options.seed, iterations=options.iterations)
+    found = profile(config) | profile_env() | profile_depth(config) | profile_workers()
     report = {
         "schema": 1,
         "command": f"python -m sjasim.benchmark {' '.join(arguments)}".rstrip(),
         "machine": machine(),
         "versions": versions(),
-        **results(profile(config) | profile_env(), import_s()),
+        **results(found, import_s()),
     }
     if options.json:
         sys.stdout.write(json.dumps(report, indent=1, allow_nan=False) + "\n")
@@ -77,7 +80,9 @@ def results(profile: Mapping[str, Any], import_time_s: float) -> dict[str, Any]:
             bare physics of the same scene; ``room_cpu_s`` by room (``physics``, ``planning``, ``stabiliser``,
             ``sensing``, ``server``, ``decision``, ``logging``, ...); ``stabiliser_ticks``; ``decisions``, how
             often a method was called; ``peak_mb``; ``env_steps``, ``env_cpu_s`` and ``env_raw_cpu_s`` of the
-            environment and the bare physics of its steps. Absent ones make null figures.
+            environment and the bare physics of its steps; ``depth_sim_s`` and ``depth_cpu_s`` of a session with depth
+            sensing, ``depth_frames`` and ``depth_frame_cpu_s`` of its active sensor; ``async_steps_per_s`` of one
+            worker and two. Absent ones make null figures.
         import_time_s: time of ``import sjasim`` [s].
 
     Returns:
@@ -90,12 +95,15 @@ def results(profile: Mapping[str, Any], import_time_s: float) -> dict[str, Any]:
         "raw_physics_sim_s_per_cpu_s": _ratio(sim_s, raw_s),
         "session_sim_s_per_cpu_s_joints": _ratio(sim_s, cpu_s),
         "session_cost_ratio_joints": _ratio(cpu_s, raw_s),
+        "session_sim_s_per_cpu_s_depth": _ratio(profile.get("depth_sim_s"), profile.get("depth_cpu_s")),
+        "depth_frame_cpu_s": _ratio(profile.get("depth_frame_cpu_s"), profile.get("depth_frames")),
         "planning_cpu_s": _ratio(rooms.get("planning"), sim_s),
         "stabiliser_tick_cpu_s": _ratio(rooms.get("stabiliser"), profile.get("stabiliser_ticks")),
         "decision_cpu_s": _ratio(rooms.get("decision"), profile.get("decisions")),
         "logging_share": _ratio(rooms.get("logging"), cpu_s),
         "env_steps_per_s": _ratio(profile.get("env_steps"), profile.get("env_cpu_s")),
         "env_ratio_to_raw": _ratio(profile.get("env_raw_cpu_s"), profile.get("env_cpu_s")),
+        "async2_speedup": _ratio(*reversed(profile.get("async_steps_per_s", (None, None)))),
         "import_s": import_time_s,
         "peak_mb": profile.get("peak_mb"),
     }

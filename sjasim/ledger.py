@@ -1,18 +1,18 @@
-"""What truly happened, tick by tick: preallocated columns that a world fills and a log takes whole."""
+"""What truly happened, tick by tick: kept while a session goes on, made into columns when it is over."""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from .assets.names import JOINT_INDEX
+from .assets.names import JOINT_INDEX, JOINTS
 from .choreography.layout import Mount
-from .config import SessionConfig
-from .stage import Stage
-from .types import Array, IntArray, RobotState, Skeletons
+from .types import Array, BoolArray, DancerStates, IntArray, RobotState, Skeletons
+
+T = TypeVar("T")
 
 TRUTH_COLUMNS = (
     "t_s", "dancer", "x_m", "y_m", "z_m", "heading_rad", "hands_m", "tether_x_n", "tether_y_n",
@@ -29,160 +29,122 @@ _TORSO = [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "ShoulderLeft"
 _HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "WristRight")]
 
 
-@njit(cache=True)
-def _keep(joints: Array, state: NDArray[np.int8], dancers: IntArray, out: NDArray[np.float32]) -> None:
-    """Write persons' positions and states to the rows of the dancers behind them; -1 stands for nobody."""
-    for p in range(len(dancers)):
-        if dancers[p] >= 0:
-            row = out[dancers[p]]
-            for j in range(joints.shape[1]):
-                for k in range(3):
-                    row[j, k] = joints[p, j, k]
-                row[j, 3] = state[p, j]
-
-
-@njit(cache=True)
-def _see(
-    truth: Array, visible: NDArray[np.bool_], dancers: IntArray, joints: NDArray[np.float32], seen: NDArray[np.bool_]
-) -> None:
-    """Write true joints, and what could be seen of each dancer."""
-    for d in range(joints.shape[0]):
-        for j in range(joints.shape[1]):
-            for k in range(3):
-                joints[d, j, k] = truth[d, j, k]
-    for p in range(len(dancers)):
-        if dancers[p] >= 0:
-            for j in range(seen.shape[1]):
-                seen[dancers[p], j] = visible[p, j]
-
-
 class Ledger:
-    """Columns of truth and odometry, and the joints at frame rate.
+    """What truly happened: states and odometry, and the joints at frame rate.
+
+    While the session goes on everything is only kept, as it comes; the columns are made when somebody asks.
 
     Args:
-        stage: for sizes and weights.
-        end_s: how long the session lasts.
-        config: rates.
+        weight_n: (D,) the dancers' weights [N].
+        every: which of the ticks become rows of the truth.
     """
 
-    def __init__(self, stage: Stage, end_s: float, config: SessionConfig) -> None:
-        self._weight = stage.servos.weight
-        dancers = len(self._weight)
-        ticks = math.ceil(end_s * config.stage.balance_hz) + 2
-        self._t_s = np.empty(ticks)
-        self._roots = np.empty((ticks, dancers, 6))
-        self._hands = np.empty((ticks, dancers, 2, 3))
-        self._tether = np.zeros((ticks, dancers, 5))
-        self._loads = np.empty((ticks, dancers))
-        self._fallen = np.empty((ticks, dancers), dtype=bool)
-        self._every = max(1, config.stage.balance_hz // config.stage.truth_hz)
-        self._odometry = np.empty((math.ceil(end_s * config.robot.odometry_hz) + 2, len(ODOMETRY_COLUMNS)))
-        frames = math.ceil(end_s * config.sensors.rate_hz) + 2
-        self._joints = np.empty((frames, dancers, 25, 3), dtype=np.float32)
-        self._mounts: dict[str, tuple[Mount, list[int]]] = {}
-        self._skeletons = np.full((frames, dancers, 25, 4), np.nan, dtype=np.float32)
-        self._visible = np.zeros((frames, dancers, 25), dtype=bool)
-        self._watched = np.zeros(frames, dtype=bool)
-        self._frame = np.empty(ticks, dtype=np.int64)
-        self._load = np.zeros(dancers)
-        self._rows = self._rides = self._frames = 0
-
-    def feel(self, stage: Stage) -> None:
-        """Remember the floor's force; called at the robot's ticks, which are out of step with the controller's."""
-        self._load = stage.loads()
+    def __init__(self, weight_n: Array, every: int) -> None:
+        self._weight = weight_n
+        self._every = every
+        self._fell_s = np.full(len(weight_n), np.inf)
+        self._ticks: list[tuple[float, int, Array]] = []
+        self._odometry: list[tuple[float, ...]] = []
+        self._frames: list[tuple[Array, BoolArray | None, IntArray]] = []
+        self._estimates: list[tuple[int, Skeletons, IntArray, Mount]] = []
 
     def ride(self, state: RobotState, true_pose: tuple[float, float, float]) -> None:
         """One odometry sample with the true pose."""
-        if self._rides < len(self._odometry):
-            row = (state.t_s, state.x_m, state.y_m, state.heading_rad, state.step_m, state.yaw_rate_rad_s)
-            self._odometry[self._rides] = (*row, *true_pose)
-            self._rides += 1
+        self._odometry.append((*state, *true_pose))
 
-    def see(self, joints_m: Array, visible: NDArray[np.bool_] | None, dancers: IntArray | None) -> None:
-        """One frame.
+    def see(self, joints_m: Array, visible: BoolArray | None, dancers: IntArray) -> None:
+        """One frame; the ledger keeps the arrays themselves.
 
         Args:
             joints_m: (D, 25, 3) true joints [m].
             visible: (P, 25) what the sensor that is faced could see; None if it does not watch.
             dancers: (P,) the dancer behind each of its rows, -1 for nobody.
         """
-        frame = self._frames
-        if frame >= len(self._joints):
-            return
-        if visible is None or dancers is None:
-            self._joints[frame] = joints_m
-        else:
-            _see(joints_m, visible, dancers, self._joints[frame], self._visible[frame])
-            self._watched[frame] = True
-        self._frames += 1
+        self._frames.append((joints_m, visible, dancers))
 
     def estimate(self, skeletons: Skeletons, dancers: IntArray, mount: Mount) -> None:
-        """What the active client saw in the frame that `see` is about to take.
+        """What the active client saw in the frame that `see` is about to take; the ledger keeps the arrays themselves.
 
         Args:
             skeletons: in the sensor's frame.
             dancers: (P,) who they are of; -1 for nobody.
             mount: where the sensor is.
         """
-        if self._frames < len(self._skeletons):
-            _keep(skeletons.joints, skeletons.state, dancers, self._skeletons[self._frames])
-            self._mounts.setdefault(mount.name, (mount, []))[1].append(self._frames)
+        self._estimates.append((len(self._frames), skeletons, dancers, mount))
 
-    def write(self, now: float, roots: Array, stage: Stage, fallen: NDArray[np.bool_]) -> None:
-        """One tick of truth; ``roots`` is (D, 6)."""
-        row = self._rows
-        if row >= len(self._t_s):
-            return
-        self._t_s[row] = now
-        self._roots[row] = roots
-        stage.copy_hands(self._hands[row])
-        stage.copy_tether(self._tether[row])
-        self._loads[row] = self._load
-        self._frame[row] = max(self._frames - 1, 0)
-        self._fallen[row] = fallen
-        self._rows += 1
+    def write(self, now: float, states: DancerStates) -> None:
+        """One tick of truth."""
+        self._ticks.append((now, len(self._frames), states.rows))
 
-    def _share_seen(self, joints: list[int], rows: slice) -> Array:
-        """(N, D) share of some joints that were seen at each tick; NaN while nobody watched."""
-        frame = self._frame[rows]
-        share = self._visible[:, :, joints].mean(axis=2)[frame]
-        share[~self._watched[frame]] = np.nan
-        return np.asarray(share)
+    def fall(self, now: float, dancer: int) -> None:
+        """A dancer is down from now on."""
+        self._fell_s[dancer] = now
 
     def truth(self) -> dict[str, NDArray[np.generic]]:
         """The truth as columns."""
-        kept = slice(0, self._rows, self._every)
-        shape = self._loads[kept].shape
-        hands, tether = self._hands[kept], self._tether[kept]
+        kept = self._ticks[:: self._every]
+        t_s = np.array([tick[0] for tick in kept])[:, None]
+        frame = np.array([max(tick[1] - 1, 0) for tick in kept], dtype=np.int64)
+        states = np.array([tick[2] for tick in kept])
+        shape = states.shape[:2]
+        of = DancerStates(states.reshape(-1, states.shape[2]))
+        visible = self._visible()[frame]
         tables: dict[str, NDArray[np.generic]] = {
-            "t_s": np.broadcast_to(self._t_s[kept, None], shape),
+            "t_s": np.broadcast_to(t_s, shape),
             "dancer": np.broadcast_to(np.arange(shape[1]), shape),
-            **{name: self._roots[kept, :, k] for k, name in enumerate(("x_m", "y_m", "z_m", "heading_rad"))},
-            "hands_m": np.sqrt(((hands[:, :, 0] - hands[:, :, 1]) ** 2).sum(axis=-1)),
-            "tether_x_n": tether[:, :, 0],
-            "tether_y_n": tether[:, :, 1],
-            "tether_torque_nm": np.sqrt((tether[:, :, 2:] ** 2).sum(axis=-1)),
-            "load_n": self._loads[kept],
+            **{name: of.root[:, k] for k, name in enumerate(("x_m", "y_m", "z_m", "heading_rad"))},
+            "hands_m": np.sqrt(((of.hands[:, 0] - of.hands[:, 1]) ** 2).sum(axis=-1)),
+            "tether_x_n": of.tether[:, 0],
+            "tether_y_n": of.tether[:, 1],
+            "tether_torque_nm": np.sqrt((of.tether[:, 2:] ** 2).sum(axis=-1)),
+            "load_n": of.load,
             "weight_n": np.broadcast_to(self._weight, shape),
-            "spine_seen": self._share_seen(_TORSO, kept),
-            "hands_seen": self._share_seen(_HANDS, kept),
-            "fallen": self._fallen[kept].astype(np.int64),
+            "spine_seen": visible[:, :, _TORSO].mean(axis=2),
+            "hands_seen": visible[:, :, _HANDS].mean(axis=2),
+            "fallen": (t_s >= self._fell_s).astype(np.int64),
         }
         return {name: tables[name].reshape(-1).copy() for name in TRUTH_COLUMNS}
 
     def odometry(self) -> dict[str, Array]:
         """The odometry as columns; empty without a robot."""
-        rows = self._odometry[: self._rides]
+        rows = np.array(self._odometry)
         return {name: rows[:, k].copy() for k, name in enumerate(ODOMETRY_COLUMNS)} if len(rows) else {}
 
     def joints(self) -> NDArray[np.float32]:
         """(F, D, 25, 3) true joints at frame rate [m]."""
-        return self._joints[: self._frames]
+        shape = (len(self._frames), len(self._weight), len(JOINTS), 3)
+        return np.array([joints for joints, _, _ in self._frames], dtype=np.float32).reshape(shape)
 
     def skeletons(self) -> NDArray[np.float32]:
         """(F, D, 25, 4) world positions that the active client saw of them [m], and each joint's tracking state."""
-        out = self._skeletons[: self._frames].copy()
-        for mount, frames in self._mounts.values():
-            local = out[frames, :, :, :3]
-            out[frames, :, :, :3] = local @ mount.world_from_sensor.T + mount.position
+        out = np.full((len(self._frames), len(self._weight), len(JOINTS), 4), np.nan, dtype=np.float32)
+        for part in _alike(self._estimates, [dancers for _, _, dancers, _ in self._estimates]):
+            _, _, dancers, mount = part[0]
+            frames = np.array([frame for frame, _, _, _ in part])
+            local = np.array([skeletons.joints for _, skeletons, _, _ in part])
+            state = np.array([skeletons.state for _, skeletons, _, _ in part])
+            for row in np.flatnonzero(dancers >= 0):
+                out[frames, dancers[row], :, :3] = local[:, row] @ mount.world_from_sensor.T + mount.position
+                out[frames, dancers[row], :, 3] = state[:, row]
         return out
+
+    def _visible(self) -> Array:
+        """(F, D, 25) 1 for what could be seen in each frame, 0 for what could not; NaN where nobody watched."""
+        out = np.full((max(len(self._frames), 1), len(self._weight), len(JOINTS)), np.nan)
+        watched = [(index, frame[1], frame[2]) for index, frame in enumerate(self._frames) if frame[1] is not None]
+        for part in _alike(watched, [dancers for _, _, dancers in watched]):
+            frames = np.array([index for index, _, _ in part])
+            visible = np.array([visible for _, visible, _ in part])
+            dancers = part[0][2]
+            out[frames] = 0.0
+            for row in np.flatnonzero(dancers >= 0):
+                out[frames, dancers[row]] = visible[:, row]
+        return out
+
+
+def _alike(items: Sequence[T], keys: Sequence[object]) -> list[list[T]]:
+    """The items in groups with the very same key; they come in order."""
+    groups: dict[int, list[T]] = {}
+    for item, key in zip(items, keys, strict=True):
+        groups.setdefault(id(key), []).append(item)
+    return list(groups.values())

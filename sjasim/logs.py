@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -28,6 +29,34 @@ class AgentEvent:
     kind: Kind
     t_s: float
     visible: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class TableEvent:
+    """One row of an event table.
+
+    Attributes:
+        session: which session.
+        iteration: 0 for a rehearsal, then 1, 2, ...
+        agent: who; ``robot`` for a robot.
+        kind: what they did.
+        t_s: when, on the session's clock.
+        early: whether the row announces an event that another row tells of.
+        line: where it stands: the line of a CSV file, the row of a Parquet file counted from 1.
+    """
+
+    session: str
+    iteration: int
+    agent: str
+    kind: Kind
+    t_s: float
+    early: bool
+    line: int
+
+
+def natural_order(agent: str) -> tuple[tuple[str, int], ...]:
+    """A key that sorts agents' names as people count: p2 before p10."""
+    return tuple((word, int(number or 0)) for word, number in re.findall(r"(\D*)(\d*)", agent))
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import mujoco
@@ -55,9 +55,9 @@ def profile(config: SessionConfig) -> dict[str, Any]:
     Session(config).advance(WARM_S)
     meter, metered = Meter(), Session(config)
     start = (metered.world.stage.data.qpos.copy(), metered.world.stage.data.qvel.copy())
-    controls = _instrument(meter, metered)
+    controls = instrument(meter, metered)
     metered.advance(metered.end_s)
-    bare = _Bare(metered.world.stage.model, start, controls)
+    bare = Bare(metered.world.stage.model, start, controls)
     begin = time.process_time()
     plain = Session(config)
     cpu_s, raw_cpu_s = time.process_time() - begin, 0.0
@@ -90,8 +90,14 @@ TURN_S = 4.0
 """Simulated seconds of each turn."""
 
 
-class _Bare:
-    """The same physics with nothing around it."""
+class Bare:
+    """The same physics with nothing around it.
+
+    Args:
+        model: of the session.
+        start: its first positions and velocities.
+        controls: what `instrument` recorded.
+    """
 
     def __init__(self, model: Any, start: tuple[Array, Array], controls: list[tuple[int, Array]]) -> None:
         self._model = model
@@ -102,6 +108,7 @@ class _Bare:
         self._tick = 0
 
     def advance(self, goal: int) -> None:
+        """Go on to a tick."""
         ctrl = self.data.ctrl
         while self._tick < goal:
             until, control = next(self._controls)
@@ -110,7 +117,7 @@ class _Bare:
             self._tick = until
 
 
-def _instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
+def instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
     """Watch every room of a session; returns the list that its controls will be recorded in."""
     world, stage = session.world, session.world.stage
     controls: list[tuple[int, Array]] = []
@@ -123,11 +130,11 @@ def _instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
     stage.step_to = recording  # type: ignore[method-assign]
     watched = [
         (stage, "step_to", "physics"), (stage, "states", "stabiliser_state"), (world.balance, "targets", "stabiliser"),
-        (world, "plan", "planning"), (world, "set_out", "planning"), (world, "look", "sensing"), (world, "drive", "robot"),
-        (session.server, "receive", "server"), (session.server, "due", "server"),
-        (session.dispatcher, "due", "server"),
+        (world, "plan", "planning"), (world, "set_out", "planning"), (world, "look", "sensing"),
+        (world, "drive", "robot"),
+        (session.server, "receive", "server"), (session.server, "due", "server"), (session.dispatcher, "due", "server"),
     ]  # fmt: skip
-    watched += [(world.ledger, name, "logging") for name in ("feel", "ride", "see", "write")]
+    watched += [(world.ledger, name, "logging") for name in ("ride", "see", "estimate", "write")]
     if session.method is not None:
         hooks = ("on_event", "on_iteration_start", "on_iteration_end", "on_wake")
         watched += [(session.method, name, "decision") for name in hooks]
@@ -136,42 +143,31 @@ def _instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
     return controls
 
 
-def profile_env() -> dict[str, Any]:
-    """Measure the named environment at 30 Hz, in turn with the bare physics under the same controls.
+def profile_depth(config: SessionConfig) -> dict[str, Any]:
+    """Measure one iteration with depth sensing, and a frame of it.
 
-    The metronome dances one iteration; building the session is not counted, for a reset is not a step.
+    Image, noise and skeletons of the first active sensor are watched in a second session, so that the first one is
+    measured without anybody looking.
 
     Returns:
-        ``env_steps``, ``env_cpu_s`` and ``env_raw_cpu_s``.
+        ``depth_sim_s`` and ``depth_cpu_s`` of the session; ``depth_frames`` and ``depth_frame_cpu_s`` of the frames.
     """
-    from sjasim_envs.dance import DanceEnv
-
-    def begun() -> tuple[DanceEnv, Any, int]:
-        env = DanceEnv(iterations=1, dance={"rehearsal": False}, method="metronome")
-        env.reset(seed=0)
-        return env, env.session.world.stage, int(env.session.end_s * 30)
-
-    env, stage, count = begun()
-    start = (stage.data.qpos.copy(), stage.data.qvel.copy())
-    controls = _instrument(Meter(), env.session)
-    _steps(env, count)
-    bare = _Bare(stage.model, start, controls)
-    env, stage, _ = begun()
-    cpu_s = raw_cpu_s = 0.0
-    for done in range(0, count, 30):
-        begin = time.process_time()
-        _steps(env, min(30, count - done))
-        middle = time.process_time()
-        bare.advance(stage.tick)
-        cpu_s, raw_cpu_s = cpu_s + middle - begin, raw_cpu_s + time.process_time() - middle
-    return {"env_steps": count, "env_cpu_s": cpu_s, "env_raw_cpu_s": raw_cpu_s}
-
-
-def _steps(env: Any, count: int) -> None:
-    """Repeat the move in force, so that the environment's method decides."""
-    action = 0
-    for _ in range(count):
-        action = int(env.step(action)[0]["command"][:4].argmax())
+    config = replace(config, sensing="depth", iterations=1, dance=replace(config.dance, rehearsal=False))
+    Session(config).advance(1.0)
+    begin = time.process_time()
+    session = Session(config)
+    session.advance(session.end_s)
+    session.log()
+    cpu_s = time.process_time() - begin
+    meter, watched = Meter(), Session(config)
+    meter.watch(watched.world.sensing[watched.server.active], "sample", "depth")
+    watched.advance(WARM_S)
+    return {
+        "depth_sim_s": session.end_s,
+        "depth_cpu_s": cpu_s,
+        "depth_frames": meter.calls["depth"],
+        "depth_frame_cpu_s": meter.spent_s["depth"],
+    }
 
 
 def peak_mb() -> float | None:

@@ -32,6 +32,7 @@ class Options:
     Attributes:
         session: the whole configuration; every field is a flag.
         out: folder to keep the session in; new or empty.
+        policy: npz file of a trained policy, for ``--method learned``.
         view: show the session in rerun's viewer while it is danced.
         video: film of the dance, with captions; an .mp4 file. Takes longer than the dance without a graphics card.
         plots: folder for the figures as pictures.
@@ -43,6 +44,7 @@ class Options:
 
     session: Annotated[SessionConfig, tyro.conf.arg(name="")]
     out: Path | None = None
+    policy: Path | None = None
     view: bool = False
     video: Path | None = None
     plots: Path | None = None
@@ -56,6 +58,7 @@ def command(arguments: Sequence[str]) -> None:
     """Parse, check what can be checked beforehand, dance, measure, keep, show."""
     base = Options(cli.config_from(arguments))
     options = cli.parse(Options, arguments, base, "python -m sjasim.run", ABOUT)
+    options = trained(options)
     config = options.session
     if config.method != "none":
         method.build(config.method, config.method_options)
@@ -69,6 +72,22 @@ def command(arguments: Sequence[str]) -> None:
         shown(summary, options)
         if audience is not None:
             audience.linger()
+
+
+def trained(options: Options) -> Options:
+    """The same, a policy that is named having become its method's option.
+
+    Raises:
+        ConfigError: the method takes none.
+    """
+    config = options.session
+    if options.policy is None:
+        return options
+    if config.method != "learned":
+        raise ConfigError("policy", str(options.policy), "only with --method learned")
+    return replace(
+        options, session=replace(config, method_options={**config.method_options, "policy": str(options.policy)})
+    )
 
 
 def check(options: Options) -> None:

@@ -5,7 +5,9 @@ World -> uplinks -> server -> method -> dispatcher -> downlinks -> world again, 
 
 from __future__ import annotations
 
+import math
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 
@@ -113,10 +115,13 @@ class Session:
 
     def _next_due_s(self) -> float:
         """When something happens outside the world: an arrival, a timer, a boundary."""
-        due_s = min(
-            self._ups.next_arrival_s, self._downs.next_arrival_s, self.server.next_due_s, self.dispatcher.next_due_s
+        return min(
+            self._ups.next_arrival_s,
+            self._downs.next_arrival_s,
+            self.server.next_due_s,
+            self.dispatcher.next_due_s,
+            self._boundaries[0][0],
         )
-        return min(due_s, self._boundaries[0][0]) if self._boundaries else due_s
 
     def _happen(self, now: float) -> None:
         for t_arrival_s, message in self._ups.receive(now):
@@ -150,8 +155,8 @@ class Session:
 
     def _conduct(self, now: float) -> None:
         """Boundaries, timers and everything the server has to send."""
-        while self._boundaries and self._boundaries[0][0] <= now:
-            t_s, iteration, starts = self._boundaries.pop(0)
+        while self._boundaries[0][0] <= now:
+            t_s, iteration, starts = self._boundaries.popleft()
             if self.method is not None:
                 hook = self.method.on_iteration_start if starts else self.method.on_iteration_end
                 self._answer(now, hook(iteration, t_s))
@@ -256,9 +261,12 @@ def _check_faults(config: SessionConfig, sensors: Sequence[str]) -> None:
             raise ConfigError(f"faults[{index}].target", fault.target, f"for {fault.kind} one of {', '.join(allowed)}")
 
 
-def _boundaries(session: Session) -> list[tuple[float, int, bool]]:
-    """(time, iteration, whether it starts) of every iteration's beat 0 and window's end, in order of time."""
+def _boundaries(session: Session) -> deque[tuple[float, int, bool]]:
+    """(time, iteration, whether it starts) of every iteration's beat 0 and window's end, and an end that never comes.
+
+    They are in order of time.
+    """
     table = session.timetable
     iterations = range(table.first, table.last + 1)
     marks = [(table.start_s(k), k, True) for k in iterations] + [(table.close_s(k), k, False) for k in iterations]
-    return sorted(marks)
+    return deque([*sorted(marks), (math.inf, table.last + 1, False)])

@@ -30,8 +30,7 @@ from .types import Array, BoolArray, DancerStates, Geoms, IntArray, JointTargets
 
 _FLOOR = (0.74, 0.72, 0.69), (0.66, 0.64, 0.61)
 _SKY = (0.80, 0.86, 0.92), (0.97, 0.97, 0.96)
-_ANKLES = [JOINT_INDEX["AnkleLeft"], JOINT_INDEX["AnkleRight"]]
-_HANDS = [JOINT_INDEX["HandLeft"], JOINT_INDEX["HandRight"]]
+_LOGGED = [JOINT_INDEX[name] for name in ("AnkleLeft", "AnkleRight", "HandLeft", "HandRight")]
 
 
 def stage_spec(
@@ -76,29 +75,25 @@ def _light(spec: mujoco.MjSpec) -> None:
 
 
 @njit(cache=True)
-def _floor_forces(pairs: IntArray, first: IntArray, force: Array, soles: IntArray, dancers: int) -> Array:
-    """(D,) normal force on each dancer's soles; a contact's is the sum over its four pyramid edges [N]."""
-    out = np.zeros(dancers)
-    for k in range(len(pairs)):
-        owner = max(soles[pairs[k, 0]], soles[pairs[k, 1]])
-        if owner >= 0 and first[k] >= 0:
-            for edge in range(4):
-                out[owner] += force[first[k] + edge]
-    return out
-
-
-@njit(cache=True)
 def _gather(
-    com: Array, velocity: Array, qpos: Array, qvel: Array, sites: Array, pelvis: IntArray, root: IntArray,
-    root_dof: IntArray, feet: IntArray, out: Array,
+    com: Array, velocity: Array, qpos: Array, qvel: Array, sites: Array, forces: Array, load: Array, where: IntArray,
+    out: Array,
 ) -> None:  # fmt: skip
-    """Copy every dancer's rows out of the physics; the output is that of `types.DancerStates`."""
-    for d in range(len(pelvis)):
+    """Copy every dancer's rows out of the physics; the output is that of `types.DancerStates`.
+
+    ``where`` holds each dancer's pelvis, root addresses (6 in ``qpos``, 6 in ``qvel``), four sites, five actuators.
+    """
+    for d in range(len(where)):
+        at, row = where[d], out[d]
         for k in range(3):
-            out[d, k], out[d, 3 + k] = com[pelvis[d], k], velocity[pelvis[d], k]
-            out[d, 18 + k], out[d, 21 + k] = sites[feet[d, 0], k], sites[feet[d, 1], k]
+            row[k], row[3 + k] = com[at[0], k], velocity[at[0], k]
+            for site in range(4):
+                row[18 + 3 * site + k] = sites[at[13 + site], k]
         for k in range(6):
-            out[d, 6 + k], out[d, 12 + k] = qpos[root[d, k]], qvel[root_dof[d, k]]
+            row[6 + k], row[12 + k] = qpos[at[1 + k]], qvel[at[7 + k]]
+        for k in range(5):
+            row[30 + k] = forces[at[17 + k]] if at[17 + k] >= 0 else 0.0
+        row[35] = load[d]
 
 
 class Stage:
@@ -135,7 +130,9 @@ class Stage:
         self._forces, self._sensed, self._com, self._linvel = (
             d.actuator_force, d.sensordata, d.subtree_com, d.subtree_linvel,
         )  # fmt: skip
-        self._xpos, self._xmat = d.xpos, d.xmat
+        self._xpos, self._xmat, self._lifts = d.xpos, d.xmat, d.qfrc_constraint
+        self._warning = d.warning[mujoco.mjtWarning.mjWARN_BADQACC]
+        self._joints: Array = np.empty(0)
         self._joints_tick = -1
         self.tick = 0
         self.time_s = 0.0
@@ -153,36 +150,31 @@ class Stage:
         prefixes = [dancer_prefix(index) for index in range(dancers)]
         self._pelvis = np.array([m.body(f"{p}pelvis").id for p in prefixes])
         self._sites = np.array([[m.site(p + joint).id for joint in JOINTS] for p in prefixes])
-        self._feet, self._hands = self._sites[:, _ANKLES], self._sites[:, _HANDS]
         hinges, leading = self._body.hinges, self._body.leading
         self._hinges = np.array([[m.joint(p + name).qposadr[0] for name in hinges] for p in prefixes])
         self._root = np.array([[m.joint(p + name).qposadr[0] for name in ROOT_JOINTS] for p in prefixes])
-        self._root_dof = np.array([[m.joint(p + name).dofadr[0] for name in ROOT_JOINTS] for p in prefixes])
+        root_dof = np.array([[m.joint(p + name).dofadr[0] for name in ROOT_JOINTS] for p in prefixes])
         self._servo = np.array([[m.actuator(p + name).id for name in hinges] for p in prefixes])
         self._leading = np.array([[m.actuator(p + name).id for name in leading] for p in prefixes])
         self._stiffness = m.actuator_gainprm[self._leading, 0]
         pulls = [[m.actuator(p + name).id for name in TETHERED] for p in prefixes] if tethered else []
         self._tether: IntArray = np.array(pulls, dtype=np.int64).reshape(-1, 5)
         self._tethered = tethered
+        wires = self._tether if tethered else np.full((dancers, 5), -1)
+        self._where = np.hstack([self._pelvis[:, None], self._root, root_dof, self._sites[:, _LOGGED], wires])
+        self._lift, self._load = root_dof[:, 2].copy(), np.zeros(dancers)
         owner = np.full(m.ngeom, -1, dtype=np.int64)
         names = [m.geom(geom).name for geom in range(m.ngeom)]
         self._shell = np.array([name.startswith(ROBOT_PREFIX) for name in names])
-        soles = np.full(m.ngeom, -1, dtype=np.int64)
-        for geom in range(m.ngeom):
-            name = m.geom(geom).name
-            for index, prefix in enumerate(prefixes):
-                if name.startswith(prefix):
-                    owner[geom] = index
-                    if m.geom_conaffinity[geom] & FLOOR_BIT:
-                        soles[geom] = index
-        self._owner, self._soles = owner, soles
+        for index, prefix in enumerate(prefixes):
+            owner[[name.startswith(prefix) for name in names]] = index
         self._flesh = owner >= 0
         self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
-        self._kinds = m.geom_type.astype(np.int64)
-        self._sizes, self._bounds = m.geom_size, m.geom_rbound
         self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
-        self._form, self._size = self._kinds[self._solid], m.geom_size[self._solid]
+        self._form, self._size = m.geom_type[self._solid].astype(np.int64), m.geom_size[self._solid]
         self._solid_owner = owner[self._solid]
+        self._hiding = np.column_stack([self._solid, self._solid_owner, self._form])
+        self._hiding_size = np.column_stack([self._size, m.geom_rbound[self._solid]])
         if self.has_robot:
             self._base = m.body(f"{ROBOT_PREFIX}base").id
             self._wheels = [m.actuator(f"{ROBOT_PREFIX}{name}").id for name in ("wheel_l", "wheel_r")]
@@ -243,18 +235,27 @@ class Stage:
         Raises:
             SjasimError: the simulation became unstable.
         """
-        if self.data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:
+        if self._warning.number:
             raise SjasimError(f"the physics became unstable before {self.time_s:.2f} s")
 
     def states(self) -> DancerStates:
-        """What balance needs of every dancer."""
+        """What balance needs of every dancer, and the record."""
         mujoco.mj_subtreeVel(self.model, self.data)
-        felt = np.empty((len(self._pelvis), 24))
+        rows = np.empty((len(self._where), 36))
         _gather(
-            self._com, self._linvel, self._qpos, self._qvel, self._site_xpos, self._pelvis, self._root,
-            self._root_dof, self._feet, felt,
+            self._com, self._linvel, self._qpos, self._qvel, self._site_xpos, self._forces, self._load, self._where,
+            rows,
         )  # fmt: skip
-        return DancerStates(felt)
+        return DancerStates(rows)
+
+    def feel(self) -> None:
+        """Take what the floor carries at this moment, for the states to come.
+
+        Forces at the balance controller's own ticks would be those of targets as old as they get; so somebody who is
+        out of step with it asks. Only soles meet the floor: beside a brush with somebody else, all that holds a body
+        up at its root is what its feet carry.
+        """
+        self._lifts.take(self._lift, out=self._load, mode="clip")
 
     def apply(self, targets: JointTargets) -> None:
         """Set the dancers' actuators; the stage keeps a copy."""
@@ -285,7 +286,7 @@ class Stage:
             self._joints = self._site_xpos.take(self._sites, axis=0)
             self._joints.flags.writeable = False
             self._joints_tick = self.tick
-        return np.asarray(self._joints)
+        return self._joints
 
     @property
     def yaw_rad(self) -> Array:
@@ -302,31 +303,13 @@ class Stage:
         """Which points (N, 3) something hides from an eye; see `types.StageView`."""
         out = np.empty(len(points), dtype=bool)
         hidden(
-            origin, points, whose, flesh_m, self._solid, self._owner, self._kinds, self._sizes, self._bounds,
-            self._positions, self._rotations, out,
+            origin, points, whose, flesh_m, self._hiding, self._hiding_size, self._positions, self._rotations, out,
         )  # fmt: skip
         return out
 
-    def copy_hands(self, out: Array) -> None:
-        """Write the hands' centres, (D, 2, 3) left and right [m]."""
-        self._site_xpos.take(self._hands, axis=0, out=out, mode="clip")
-
-    @property
-    def heights_m(self) -> Array:
-        """(D,) heights of the pelvises [m]."""
-        return np.asarray(self._qpos.take(self._root[:, 2]))
-
-    def copy_tether(self, out: Array) -> None:
-        """Write the tethers' force x, y [N] and torque yaw, pitch, roll [Nm], (D, 5); without tethers nothing."""
-        if self._tethered:
-            self._forces.take(self._tether, out=out, mode="clip")
-
-    def loads(self) -> Array:
-        """(D,) floor force that each dancer's feet carry at this moment [N]."""
-        contact = self.data.contact
-        return np.asarray(
-            _floor_forces(contact.geom, contact.efc_address, self.data.efc_force, self._soles, len(self._pelvis))
-        )
+    def height_m(self, dancer: int) -> float:
+        """Height of a dancer's pelvis [m]."""
+        return float(self._qpos.item(self._root.item(dancer, 2)))
 
     def bumped(self) -> bool:
         """Whether the robot touches a dancer at this moment."""

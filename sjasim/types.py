@@ -122,24 +122,40 @@ class JointTargets(NamedTuple):
 
 
 class DancerStates(NamedTuple):
-    """What the balance controller feels of every dancer at one tick.
+    """The state of every dancer at one tick: what the balance controller feels, and what is logged beside it.
 
     Attributes:
-        felt: (D, 24) centre of mass [m] and its velocity [m/s]; pelvis x, y, z [m], yaw, pitch (forward positive),
-            roll [rad], and their rates; left and right ankle [m].
+        rows: (D, 36) centre of mass [m] and its velocity [m/s]; pelvis x, y, z [m], yaw, pitch (forward positive),
+            roll [rad], and their rates; left and right ankle [m]; left and right hand [m]; the tether's force x, y [N]
+            and torque yaw, pitch, roll [Nm], 0 without one; what the floor carries [N].
     """
 
-    felt: Array
+    rows: Array
 
     @property
     def root(self) -> Array:
         """(D, 6) pelvis x, y, z [m], yaw, pitch, roll [rad]."""
-        return self.felt[:, 6:12]
+        return self.rows[:, 6:12]
 
     @property
     def ankles(self) -> Array:
         """(D, 2, 3) left and right ankle [m]."""
-        return self.felt[:, 18:24].reshape(-1, 2, 3)
+        return self.rows[:, 18:24].reshape(-1, 2, 3)
+
+    @property
+    def hands(self) -> Array:
+        """(D, 2, 3) centres of the left and the right hand [m]."""
+        return self.rows[:, 24:30].reshape(-1, 2, 3)
+
+    @property
+    def tether(self) -> Array:
+        """(D, 5) force x, y [N] and torque yaw, pitch, roll [Nm]."""
+        return self.rows[:, 30:35]
+
+    @property
+    def load(self) -> Array:
+        """(D,) what the floor carries of each [N]; see `Stage.feel`."""
+        return self.rows[:, 35]
 
 
 @dataclass(frozen=True, slots=True)
@@ -282,6 +298,7 @@ class PersonStatus(NamedTuple):
         y_m: the same.
         yaw_rad: world heading.
         tracked: share of the 25 joints that are tracked, 0 to 1.
+        hands: share of the two hands that is tracked, 0, .5 or 1.
     """
 
     person: int
@@ -289,6 +306,7 @@ class PersonStatus(NamedTuple):
     y_m: float
     yaw_rad: float
     tracked: float
+    hands: float
 
 
 class ClientStatus(NamedTuple):
@@ -332,18 +350,20 @@ class MoveDuration:
 
 @dataclass(frozen=True, slots=True)
 class ClientOrder:
-    """The server's word to a client: detect at full rate, or idle and only report status.
+    """The server's word to a client: detect at full rate, look out for claps only, or idle and only report status.
 
     Attributes:
         sensor: name of the client's sensor.
         watch: whether to detect.
         durations: what the other clients logged before the hand-over; without it a client has no early stop
             for the first move of each kind that it sees.
+        assist: whether to look, from the side, for claps of people whose hands the active client does not see.
     """
 
     sensor: str
     watch: bool
     durations: tuple[MoveDuration, ...] = ()
+    assist: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,7 @@ from .humans.balance import Balance
 from .humans.body import body_model
 from .humans.motion import PREVIEW_S, Planner
 from .humans.reference import Reference
+from .humans.replay import Replay
 from .humans.timing import SOONEST_S
 from .ledger import Ledger
 from .logs import AgentEvent, Notice
@@ -111,6 +112,7 @@ class PhysicsWorld:
 
     Attributes:
         active: the sensor whose skeletons are recorded; whoever knows which client counts says so.
+        sensing: what sees for each sensor, by its name.
         watchers: called with the session time at every frame tick; they look and change nothing.
     """
 
@@ -126,7 +128,7 @@ class PhysicsWorld:
         self._faults = config.faults
         self._dance(config, timetable, layout, robot)
         self._equip(config, layout, robot)
-        self.ledger = Ledger(self.stage, self.end_s, config)
+        self.ledger = Ledger(self.stage.servos.weight, max(1, config.stage.balance_hz // config.stage.truth_hz))
         self._outbox: list[Outward] = []
         self._check_s = 0.0
         self._next_iteration = timetable.first
@@ -151,15 +153,17 @@ class PhysicsWorld:
         omega = np.array([planner.omega for planner in self._planners])
         self.balance = Balance(reference, omega, rate, self.stage.servos)
         self._timing = people(config, timetable)
+        if isinstance(self._timing, Replay):
+            self.notices.extend(self._timing.notices)
         self._busy_s = np.zeros(config.group)
         self._decided: list[deque[Cue]] = [deque() for _ in range(config.group)]
         self._set_out_s = 0.0
-        self._fallen = np.zeros(config.group, dtype=bool)
-        self._fall_m = FALLEN_SHARE * np.array([body.standing_m for body in self._anatomies])
+        self._fallen = [False] * config.group
+        self._fall_m = [FALLEN_SHARE * body.standing_m for body in self._anatomies]
 
     def _equip(self, config: SessionConfig, layout: Layout, robot: bool) -> None:
         ticks = self.stage.ticks
-        self._sensing: dict[str, Sensing] = {}
+        self.sensing: dict[str, Sensing] = {}
         self._mounts = {mount.name: mount for mount in layout.mounts}
         self._clients = {mount.name: self._client(config, layout, index) for index, mount in enumerate(layout.mounts)}
         self._balance_task = Task(ticks, config.stage.balance_hz)
@@ -169,7 +173,7 @@ class PhysicsWorld:
         self._has_robot = robot
         self._blocked_from_s = _first_s(config.faults, "robot_blocked")
         self._dead_from_s = _first_s(config.faults, "dead_robot")
-        self._blocked = self._feels = False
+        self._blocked = False
         if robot:
             pose = (float(layout.robot[0]), float(layout.robot[1]), self._timetable.heading_rad(1))
             self._odometry = Odometry(config.robot, pose, stream(config.seed, "robot", "gyro"))
@@ -189,7 +193,7 @@ class PhysicsWorld:
         )
         factory = cast("Callable[..., Sensing]", resolve("sensing", config.sensing).factory)
         rng = stream(config.seed, "sensors", config.sensing, mount.name)
-        sensing = self._sensing[mount.name] = factory(mount, config.sensors, config.group, rng)
+        sensing = self.sensing[mount.name] = factory(mount, config.sensors, config.group, rng)
         dead_from_s = faults["dead_sensor"].t_s if "dead_sensor" in faults else math.inf
         return Client(mount, sensing, config.detectors, config.sensors, clock, dead_from_s=dead_from_s)
 
@@ -213,25 +217,25 @@ class PhysicsWorld:
     def advance(self, until_s: float) -> list[Outward]:
         """See `World`; instants between two ticks count as the later one."""
         stage = self.stage
-        now, goal = stage.time_s, stage.ticks.at_or_after(until_s)
-        if until_s > now:  # whatever rounding says, time goes on
-            goal = max(goal, stage.tick + 1)
-        if stage.tick >= goal:
+        now = stage.time_s
+        if until_s <= now:
             return []
         if now >= self._check_s:
             self._check(now)
         self._outbox = []
-        self._fire()
-        stage.step_to(min(self._balance_task.due, self._frame_task.due, self._robot_task.due, goal))
+        self._fire(stage.tick, now)
+        turn = min(self._balance_task.due, self._frame_task.due, self._robot_task.due)
+        if stage.ticks.time_s(turn) > until_s:  # whatever rounding says, time goes on
+            turn = min(turn, max(stage.ticks.at_or_after(until_s), stage.tick + 1))
+        stage.step_to(turn)
         return self._outbox
 
     def latest(self, sensor: str) -> SkeletonFrame | None:
         """The last frame that a sensor's client has processed."""
         return self._clients[sensor].latest
 
-    def _fire(self) -> None:
+    def _fire(self, tick: int, now: float) -> None:
         """Do everything that is due at this tick, before the physics goes on."""
-        tick, now = self.stage.tick, self.stage.time_s
         if tick == self._robot_task.due:
             self.drive(now)
             self._robot_task.advance()
@@ -243,10 +247,7 @@ class PhysicsWorld:
             self._balance_task.advance()
 
     def drive(self, now: float) -> None:
-        """A tick of the robot: odometry, events, wheel command; at every second one the floor's force is felt."""
-        self._feels = not self._feels
-        if self._feels:
-            self.ledger.feel(self.stage)
+        """A tick of the robot: odometry, events, wheel command."""
         if not self._has_robot:
             return
         if now >= self._dead_from_s:
@@ -270,15 +271,16 @@ class PhysicsWorld:
             self._outbox.append(state)
 
     def look(self, now: float) -> None:
-        """A frame tick: the clients take their frames and send what is ready."""
+        """A frame tick: the clients take their frames and send what is ready; the floor's force is felt."""
+        self.stage.feel()
         for name, client in self._clients.items():
             skeletons = client.capture(now, self.stage)
             if name == self.active and skeletons is not None:
-                self.ledger.estimate(skeletons, self._sensing[name].dancers, self._mounts[name])
+                self.ledger.estimate(skeletons, self.sensing[name].dancers, self._mounts[name])
             if client.next_output_s <= now + ROUNDING_S:
                 self._outbox.extend(client.outputs(now))
         faced = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
-        sensing = self._sensing[faced]
+        sensing = self.sensing[faced]
         watched = self._clients[faced].watches(now)
         self.ledger.see(self.stage.joints_m, sensing.visible if watched else None, sensing.dancers)
         for watch in self.watchers:
@@ -291,19 +293,18 @@ class PhysicsWorld:
             self.set_out(now)
         states = self.stage.states()
         self.stage.apply(self.balance.targets(round(now * self._config.stage.balance_hz), states))
-        self.ledger.write(now, states.root, self.stage, self._fallen)
+        self.ledger.write(now, states)
 
     def _check(self, now: float) -> None:
         """Now and then: is the physics sound, has anybody fallen?"""
         self._check_s = now + CHECK_S
         self.stage.check()
-        down = (self.stage.heights_m < self._fall_m) & ~self._fallen
-        if not down.any():
-            return
-        self._fallen |= down
-        for index in np.flatnonzero(down):
-            self.stage.let_go(int(index))
-            self.notices.append(Notice(now, dancer_name(int(index)), "fell and dances no more"))
+        for index, limit_m in enumerate(self._fall_m):
+            if self.stage.height_m(index) < limit_m and not self._fallen[index]:
+                self._fallen[index] = True
+                self.stage.let_go(index)
+                self.ledger.fall(now, index)
+                self.notices.append(Notice(now, dancer_name(index), "fell and dances no more"))
 
     def plan(self) -> None:
         """Ask everybody what they decide to do next, and plan their motion; people know it some beats ahead."""

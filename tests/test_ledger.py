@@ -1,48 +1,39 @@
-"""Truth and odometry as columns; a stage by formula."""
-
-from types import SimpleNamespace
+"""Truth and odometry as columns; states by formula."""
 
 import numpy as np
 import pytest
 
 from sjasim.assets.names import JOINT_INDEX
-from sjasim.config import SessionConfig
+from sjasim.choreography.layout import Mount
 from sjasim.ledger import ODOMETRY_COLUMNS, TRUTH_COLUMNS, Ledger
-from sjasim.types import RobotState
+from sjasim.types import DancerStates, RobotState, Skeletons
 
 WEIGHTS = np.array([700.0, 650.0])
 
 
-class Still:
-    """Two dancers: the first one's hands .3 m apart, the second pulled by 3 N and 4 N."""
-
-    servos = SimpleNamespace(weight=WEIGHTS)
-
-    def loads(self):
-        return 0.5 * WEIGHTS
-
-    def copy_hands(self, out):
-        out[:] = 0.0
-        out[0, 1, 0] = 0.3
-
-    def copy_tether(self, out):
-        out[:] = 0.0
-        out[1] = [3.0, 4.0, 1.0, 2.0, 2.0]
+def states():
+    """Two dancers: the first one's hands .3 m apart, the second pulled by 3 N and 4 N, half the weight on the floor."""
+    rows = np.zeros((2, 36))
+    rows[:, 6:12] = np.arange(12.0).reshape(2, 6)
+    rows[0, 27] = 0.3
+    rows[1, 30:35] = [3.0, 4.0, 1.0, 2.0, 2.0]
+    rows[:, 35] = 0.5 * WEIGHTS
+    return DancerStates(rows)
 
 
 @pytest.fixture
 def ledger():
-    ledger = Ledger(Still(), 1.0, SessionConfig())
-    roots = np.arange(12.0).reshape(2, 6)
+    ledger = Ledger(WEIGHTS, 1)
     seen = np.zeros((2, 25), dtype=bool)
     seen[0, JOINT_INDEX["SpineBase"]] = True  # row 0 is the second dancer
     for tick in range(10):
         if tick == 4:
             ledger.see(np.full((2, 25, 3), 1.5), seen, np.array([1, 0]))
+        if tick == 6:
+            ledger.fall(tick / 60, 1)
         if tick == 8:
-            ledger.see(np.zeros((2, 25, 3)), None, None)
-        ledger.feel(Still())
-        ledger.write(tick / 60, roots, Still(), np.array([False, tick > 5]))
+            ledger.see(np.zeros((2, 25, 3)), None, np.array([1, 0]))
+        ledger.write(tick / 60, states())
     return ledger
 
 
@@ -75,18 +66,14 @@ def test_odometry_and_joints_are_kept_as_given(ledger):
     assert ledger.joints()[0].max() == 1.5
 
 
-def test_the_load_is_felt_now_and_then_and_what_does_not_fit_is_let_go():
-    class Heavier(Still):
-        felt = 0
-
-        def loads(self):
-            self.felt += 1
-            return WEIGHTS
-
-    stage = Heavier()
-    ledger = Ledger(stage, 0.1, SessionConfig())
-    for _ in range(21):
-        ledger.feel(stage)
-        ledger.write(0.0, np.zeros((2, 6)), stage, np.zeros(2, dtype=bool))
-    assert stage.felt == 21
-    assert len(ledger.truth()["t_s"]) <= 2 * (6 + 2)
+def test_estimates_are_in_the_world_and_belong_to_the_dancers_behind_them():
+    ledger = Ledger(WEIGHTS, 1)
+    mount = Mount("north", np.array([0.0, 3.0, 0.9]), np.diag([-1.0, 1.0, -1.0]))
+    local, state = np.ones((2, 25, 3)), np.full((2, 25), 2, dtype=np.int8)
+    ledger.see(np.zeros((2, 25, 3)), None, np.array([0, 1]))
+    ledger.estimate(Skeletons(np.arange(2), local, state), np.array([1, -1]), mount)
+    ledger.see(np.zeros((2, 25, 3)), None, np.array([0, 1]))
+    out = ledger.skeletons()
+    assert np.isnan(out[0]).all()
+    assert np.isnan(out[1, 0]).all()
+    assert out[1, 1, 7].tolist() == pytest.approx([-1.0, 4.0, -0.1, 2.0])

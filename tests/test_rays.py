@@ -59,13 +59,14 @@ def test_the_same_points_are_hidden_as_by_mujocos_rays(flesh_m):
     model, data = scene(SHAPES)
     rng = np.random.default_rng(1)
     owners = np.array([-1, 0, 0, 1, 1, 2])
+    geoms = np.column_stack([np.arange(model.ngeom), owners, model.geom_type.astype(np.int64)])
+    sizes = np.column_stack([model.geom_size, model.geom_rbound])
     for origin in (np.array([3.0, 0.5, 0.9]), np.array([-2.0, -2.5, 0.2])):
         points = rng.uniform([-1.5, -1.5, -0.9], [1.5, 1.5, 1.5], size=(200, 3))
         whose = rng.integers(0, 3, size=200)
         out = np.empty(200, dtype=bool)
         hidden(
-            origin, points, whose, np.full(200, flesh_m), np.arange(model.ngeom), owners,
-            model.geom_type.astype(np.int64), model.geom_size, model.geom_rbound, data.geom_xpos, data.geom_xmat, out,
+            origin, points, whose, np.full(200, flesh_m), geoms, sizes, data.geom_xpos, data.geom_xmat, out,
         )  # fmt: skip
         assert np.array_equal(out, by_mujoco(model, data, origin, points, whose, flesh_m, owners))
         assert 0.1 < out.mean() < 0.9

@@ -11,6 +11,7 @@ from sjasim.config import SessionConfig
 from sjasim.config_io import from_plain, to_toml
 
 from .analysis.synthetic import session
+from .anticipation.policies import write
 
 
 @pytest.fixture
@@ -47,6 +48,17 @@ def test_a_table_by_default(danced, capsys):
     assert "notice at 3.0 s: west: no message for 2.0 s" in out
     assert max(len(line) for line in out.splitlines()) <= 80 or "notice" in out
     assert danced == [SessionConfig(method="eca", iterations=2)]
+
+
+def test_a_trained_policy_is_named_by_its_file(danced, capsys, tmp_path):
+    file = write(tmp_path / "policy.npz")
+    assert call("--method", "learned", "--policy", file) == 0
+    assert danced[0].method_options == {"policy": file}
+    assert call("--method", "eca", "--policy", file) == 2
+    assert "only with --method learned" in capsys.readouterr().err
+    assert call("--method", "learned", "--policy", str(tmp_path / "none.npz")) == 2
+    assert call("--method", "learned") == 2
+    assert len(danced) == 1
 
 
 def test_humans_only_shows_no_robot(danced, capsys):

@@ -27,6 +27,21 @@ def test_standing_feet_carry_the_weight():
     assert standing.stage.servos.weight == pytest.approx(masses, rel=1e-6)
 
 
+def test_what_is_felt_of_the_floor_is_the_force_of_its_contacts_and_kept_until_felt_anew():
+    stage = floor(2).run(1.0).stage
+    found, force = np.zeros(2), np.zeros(6)
+    for index, contact in enumerate(stage.data.contact):
+        owners = [stage.model.geom(geom).name for geom in contact.geom]
+        dancer = [name.startswith("dancer_2") for name in owners if name != "floor"]
+        mujoco.mj_contactForce(stage.model, stage.data, index, force)
+        found[int(dancer[0])] += force[0]
+    stage.feel()
+    assert stage.states().load == pytest.approx(found, rel=1e-6)
+    felt = stage.states().load
+    stage.step_to(stage.tick + 2)
+    assert stage.states().load.tolist() == felt.tolist()
+
+
 def test_everybody_starts_as_planned():
     start = floor(3)
     assert start.stage.states().root[:, :3] == pytest.approx(start.reference.pelvis[:, 0])
@@ -43,7 +58,7 @@ def test_what_is_hidden_agrees_with_single_rays():
     origin = np.array([0.3, 3.0, 1.0])
     points = rng.uniform([-1.5, -1.5, 0.05], [1.5, 1.5, 1.9], (400, 3))
     whose = rng.integers(0, 3, 400)
-    hidden = stage.hidden(origin, points, whose, 0.0)
+    hidden = stage.hidden(origin, points, whose, np.zeros(400))
     groups = np.array([1, 1, 1, 0, 1, 1], dtype=np.uint8)
     for point, told in zip(points, hidden, strict=True):
         way = point - origin
@@ -92,7 +107,7 @@ def test_who_is_let_go_falls_and_the_others_stand():
     dancing.run(0.5)
     dancing.stage.let_go(0)
     dancing.run(2.5)
-    heights = dancing.stage.heights_m / [body.standing_m for body in dancing.bodies]
+    heights = [dancing.stage.height_m(k) / body.standing_m for k, body in enumerate(dancing.bodies)]
     assert heights[0] < 0.65
     assert heights[1] > 0.95
 

@@ -3,9 +3,8 @@
 import gymnasium as gym
 import numpy as np
 
-env = gym.make("sjasim:sjasim/DanceFlat-v0", iterations=1, step_hz=10, skip_rehearsal=True)
-rng = np.random.default_rng(0)
-best, weights = -np.inf, np.zeros((4, env.observation_space.shape[0]))
+env = gym.make("sjasim:sjasim/DanceFlat-v0", iterations=1, step_hz=10, dance={"rehearsal": False})
+rng, best, weights = np.random.default_rng(0), -np.inf, np.zeros((4, env.observation_space.shape[0]))
 for episode in range(3):
     observation, info = env.reset(seed=episode)
     trial, total, over = weights + 0.1 * rng.standard_normal(weights.shape), 0.0, False

@@ -65,7 +65,7 @@ class SensorConfig:
 
 @dataclass(frozen=True, slots=True)
 class DetectorConfig:
-    """Thresholds of the clients' event detectors; each says what a larger value does.
+    """Thresholds of the clients' event detectors; each says what a larger value does. Frames are those of 30 Hz.
 
     Attributes:
         difference_frames: frames over which SpineBase's velocity is taken; more is smoother and later.
@@ -81,6 +81,8 @@ class DetectorConfig:
             (assumed: iqbal2016 says only "half of the joint positions changed").
         clap_ratio: hand distance over shoulder distance below which a local minimum is a clap.
         clap_rest_s: shortest time between two claps.
+        assist_s: for so long before and after the beat of a clap other sensors look out for claps of people whose
+            hands the active client does not see; 0: the active client alone, as in iqbal2016.
     """
 
     difference_frames: int = 4
@@ -95,6 +97,7 @@ class DetectorConfig:
     early_move_share: float = 0.7
     clap_ratio: float = 0.6
     clap_rest_s: float = 1.0
+    assist_s: float = 2.0
 
     def __post_init__(self) -> None:
         within("detectors.difference_frames", self.difference_frames, 1, 30)
@@ -109,3 +112,4 @@ class DetectorConfig:
         within("detectors.early_move_share", self.early_move_share, 0.0, 1.5)
         within("detectors.clap_ratio", self.clap_ratio, 0.1, 2.0)
         within("detectors.clap_rest_s", self.clap_rest_s, 0.1, 10.0)
+        within("detectors.assist_s", self.assist_s, 0.0, 10.0)

@@ -27,7 +27,7 @@ HIP_Z, HIP_X, HIP_Y, _, ANKLE_Y, ANKLE_X = range(6)
 Plan = tuple[Array, Array, Array, Array, Array, Array, Array, Array]
 """Joints, pelvis, yaw, divergent component, weight, ankles, time to landing, torque: rows per tick."""
 COM, VELOCITY, ROOT, RATE, LEFT, RIGHT = 0, 3, 6, 12, 18, 21
-"""Where the parts of `types.DancerStates.felt` begin."""
+"""Where the parts of `types.DancerStates.rows` begin."""
 STIFFNESS, LEAD, ROOT_LEAD, WEIGHT, LEG = 0, 25, 50, 55, 56
 """Where the parts of a dancer's actuators begin: stiffness, leads of hinges and tether, body weight, leg length."""
 
@@ -211,7 +211,7 @@ class Balance:
     def targets(self, tick: int, states: DancerStates) -> JointTargets:
         """Targets for one control tick; the arrays are overwritten by the next call."""
         _correct_all(
-            tick, self._until, self._rate, self._omega, self._plan, states.felt, self._servo, self._gains, self._shift,
+            tick, self._until, self._rate, self._omega, self._plan, states.rows, self._servo, self._gains, self._shift,
             self._joints, self._root,
         )  # fmt: skip
         return JointTargets(self._joints, self._root)

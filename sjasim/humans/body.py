@@ -35,8 +35,11 @@ TETHER_GAINS = {
 """Tethered root joint -> stiffness [N/m, Nm/rad] and damping [N s/m, Nm s/rad] (assumed)."""
 
 ARMATURE, ANKLE_ARMATURE = 0.02, 0.06
-"""Inertia of muscles about a joint [kg m^2], at 75 kg and 1.75 m (assumed); it scales as stiffness does. A light ankle under a stiff muscle on a soft contact
-would quiver at 150 steps a second: a standing dancer's ankles then turn at 1 rad/s, with this inertia not at all."""
+"""Inertia of muscles about a joint [kg m^2], at 75 kg and 1.75 m (assumed); it scales as stiffness does.
+
+A light ankle under a stiff muscle on a soft contact would quiver at 150 steps a second: a standing dancer's ankles then
+turn at 1 rad/s, with this inertia not at all.
+"""
 DAMPING = 0.6
 SKIN, SHOES = (0.80, 0.60, 0.47), (0.16, 0.16, 0.18)
 TROUSERS = 0.55

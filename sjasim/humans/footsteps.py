@@ -66,7 +66,7 @@ def walk(profile: SpeedProfile, t_s: float, last_side: int, free_s: float) -> Wa
     count = max(2, round(whole / STEP_S))
     slot = whole / count
     pause = 0.5 * SUPPORT_SHARE * slot
-    middles = begin + (np.arange(count) + 1.5) * slot - t_s
+    middles: Array = begin + (np.arange(count, dtype=np.float64) + 1.5) * slot - t_s
     ways = profile.travelled(middles)
     ways[-2:] = profile.distance_m
     steps = []
@@ -149,7 +149,7 @@ class Feet:
         """(T,) share of the weight on the left foot: all on one while the other swings, eased in between."""
         swinging = self.landing[span] > 0
         raw = np.where(swinging[:, 0], 0.0, np.where(swinging[:, 1], 1.0, 0.5))
-        return eased(raw, self._kernel)
+        return np.asarray(eased(raw, self._kernel))
 
     def zmp(self, span: slice, weight: Array, ahead_m: float) -> Array:
         """(T, 2) zero-moment point: between the soles' middles, ``ahead_m`` before the ankles [m]."""
@@ -194,4 +194,5 @@ def pelvis_height(pelvis: Array, yaw: Array, ankles: Array, leg: Array, standing
             x = ankles[t, side, 0] - pelvis[t, 0] + half * np.sin(yaw[t])
             y = ankles[t, side, 1] - pelvis[t, 1] - half * np.cos(yaw[t])
             height[t] = min(height[t], np.sqrt(max(reach - x * x - y * y, 0.04)) + ankles[t, side, 2])
-    return np.minimum(eased(height, kernel), height + 0.006)
+    lowered: Array = np.minimum(eased(height, kernel), height + 0.006)
+    return lowered

@@ -42,7 +42,11 @@ class Reference:
     def empty(cls, dancers: int, ticks: int) -> Reference:
         """All zero, with a leading axis for the dancers."""
         shapes = ((25,), (3,), (), (2,), (), (2, 3), (2,), (2,), (25,))
-        return cls(*(np.zeros((dancers, ticks, *shape)) for shape in shapes), np.zeros(dancers, dtype=np.int64))
+        joints, pelvis, yaw, dcm, weight, ankles, foot_yaw, landing, torque = (
+            np.zeros((dancers, ticks, *shape)) for shape in shapes
+        )
+        until = np.zeros(dancers, dtype=np.int64)
+        return cls(joints, pelvis, yaw, dcm, weight, ankles, foot_yaw, landing, torque, until)
 
     def of(self, dancer: int) -> Reference:
         """One dancer's rows, as views: writing to them writes to all."""

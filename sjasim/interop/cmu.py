@@ -22,6 +22,7 @@ from ..assets.names import ACTUATED, ACTUATED_INDEX, FLOOR_BIT, HAND_BIT, ROBOT_
 from ..config import BodyConfig
 from ..humans.anatomy import Anatomy, Build, Shape, anatomy
 from ..humans.body import ANKLE_ARMATURE, GAINS, SKIN, TROUSERS, add_root, add_tether
+from ..humans.body import ARMATURE as OWN_ARMATURE
 from ..registry import register
 from ..types import Array
 from .guard import explained
@@ -73,10 +74,14 @@ TRUNK = {"abdomen_x": "lowerbackrz", "abdomen_z": "lowerbackry", "abdomen_y": "l
          "neck_z": "lowerneckry", "neck_y": "lowerneckrx"}  # fmt: skip
 """Planned hinge -> the humanoid's hinge with nearly the same axis, whose servo gets its gains."""
 
-OTHER_GAINS = {"toes": (60.0, 20.0), "back": (2800.0, 200.0), "thorax": (2800.0, 200.0), "neck": (60.0, 20.0),
+OTHER_GAINS = {"toes": (60.0, 20.0), "back": (1500.0, 200.0), "thorax": (1500.0, 200.0), "neck": (60.0, 20.0),
                "head": (60.0, 20.0), "clavicle": (300.0, 60.0), "wrist": (40.0, 20.0), "hand": (20.0, 10.0),
                "fingers": (3.0, 2.0), "thumb": (3.0, 2.0)}  # fmt: skip
 """Part of a hinge's name -> stiffness [Nm/rad] and torque limit [Nm] where nothing is planned (assumed)."""
+
+ARMATURE = {"foot": ANKLE_ARMATURE, "toes": ANKLE_ARMATURE, "back": 0.10, "thorax": 0.10}
+"""Part of a hinge's name -> inertia of its muscles [kg m^2], where not ours (assumed): so light a vertebra or foot
+would quiver between stiff neighbours."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -302,8 +307,8 @@ def _servo(spec: mujoco.MjSpec, hinge: str, build: Build) -> None:
     else:
         gains = next(value for part, value in OTHER_GAINS.items() if part in hinge)
     strength = build.mass_kg / 75.0 * (build.stature_m / 1.75) ** 2
-    if "foot" in hinge or "toes" in hinge:
-        spec.joint(hinge).armature = strength * ANKLE_ARMATURE
+    heavy = next((value for part, value in ARMATURE.items() if part in hinge), OWN_ARMATURE)
+    spec.joint(hinge).armature = strength * heavy
     servo = spec.add_actuator(name=hinge, target=hinge, trntype=mujoco.mjtTrn.mjTRN_JOINT)
     servo.set_to_position(kp=strength * gains[0], dampratio=1.0)
     servo.forcelimited, servo.forcerange = True, [-strength * gains[1], strength * gains[1]]

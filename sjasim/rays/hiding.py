@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 from numba import njit
@@ -12,6 +12,9 @@ from .primitives import meet
 
 BUNDLE = 25
 """Rays that are tested together against a cone before each is tested alone: one person's joints."""
+
+SQUARE, BOUND, BOUND_SQUARE, COLUMNS = 3, 4, 5, 6
+"""Columns of a geom as an eye has it, after its place."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -26,10 +29,10 @@ def _distance(kind: int, size: Array, r: Array, x: float, y: float, z: float, d:
     )  # fmt: skip
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def hidden(
-    origin: Array, points: Array, whose: IntArray, flesh_m: Array, geoms: IntArray, owners: IntArray, kinds: IntArray,
-    sizes: Array, bounds: Array, positions: Array, rotations: Array, out: BoolArray,
+    origin: Array, points: Array, whose: IntArray, flesh_m: Array, geoms: IntArray, sizes: Array, positions: Array,
+    rotations: Array, out: BoolArray,
 ) -> None:  # fmt: skip
     """Write which points something hides from an origin.
 
@@ -38,86 +41,94 @@ def hidden(
         points: (N, 3) world points [m].
         whose: (N,) owner of each point.
         flesh_m: (N,) how deep below its own owner's surface a point may lie and still be seen.
-        geoms: (G,) rows of the geoms that hide.
-        owners: (all,) owner of each geom.
-        kinds: (all,) geom types.
-        sizes: (all, 3) sizes as MuJoCo has them [m].
-        bounds: (all,) radius of a sphere around each geom [m], 0 for a plane.
+        geoms: (G, 3) of each geom that hides: its row in ``positions`` and ``rotations``, its owner, its type.
+        sizes: (G, 4) their sizes as MuJoCo has them, and the radius of a sphere around each, 0 for a plane [m].
         positions: (all, 3) centres [m].
         rotations: (all, 9) row-major, world from geom.
         out: (N,) output.
     """
-    near, rel, far = np.empty(len(geoms), np.int64), np.empty((len(geoms), 3)), np.empty(len(geoms))
-    for i in range(len(geoms)):
-        for k in range(3):
-            rel[i, k] = positions[geoms[i], k] - origin[k]
-        far[i] = sqrt(rel[i, 0] ** 2 + rel[i, 1] ** 2 + rel[i, 2] ** 2)
+    around = _around(origin, geoms, sizes, positions)
+    near, places = np.empty((len(geoms), COLUMNS)), np.empty(len(geoms), np.int64)
     directions, lengths = _aim(origin, points)
-    for first in range(0, len(points), BUNDLE):
-        last = min(first + BUNDLE, len(points))
-        found = _in_bundle(directions[first:last], lengths[first:last], rel, far, geoms, bounds, near)
-        for n in range(first, last):
-            d = directions[n]
+    for start in range(0, len(points), BUNDLE):
+        last = min(start + BUNDLE, len(points))
+        found = _in_bundle(directions[start:last], lengths[start:last], around, near, places)
+        for n in range(start, last):
+            dx, dy, dz = directions[n, 0], directions[n, 1], directions[n, 2]
             out[n] = False
-            for i in near[:found]:
-                g = geoms[i]
-                x, y, z = rel[i, 0], rel[i, 1], rel[i, 2]
-                limit = lengths[n] - (flesh_m[n] if owners[g] == whose[n] else 0.0)
-                if bounds[g] > 0.0:
-                    along = x * d[0] + y * d[1] + z * d[2]
-                    if along - bounds[g] > limit or far[i] * far[i] - along * along > bounds[g] * bounds[g]:
-                        continue
-                if _distance(kinds[g], sizes[g], rotations[g], x, y, z, d) < limit:
+            for k in range(found):
+                x, y, z = near[k, 0], near[k, 1], near[k, 2]
+                along = x * dx + y * dy + z * dz
+                if near[k, SQUARE] - along * along > near[k, BOUND_SQUARE]:
+                    continue
+                geom = geoms[places[k]]
+                limit = lengths[n] - (flesh_m[n] if geom[1] == whose[n] else 0.0)
+                if along - near[k, BOUND] > limit:
+                    continue
+                way = _distance(geom[2], sizes[places[k]], rotations[geom[0]], x, y, z, directions[n])
+                if way < limit:
                     out[n] = True
                     break
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def _around(origin: Array, geoms: IntArray, sizes: Array, positions: Array) -> Array:
+    """(G, `COLUMNS`) every geom as an eye has it: place from there, square of the distance, bound and its square."""
+    out = np.empty((len(geoms), COLUMNS))
+    for i in range(len(geoms)):
+        row = out[i]
+        for k in range(3):
+            row[k] = positions[geoms[i, 0], k] - origin[k]
+        row[SQUARE] = row[0] ** 2 + row[1] ** 2 + row[2] ** 2
+        row[BOUND] = sizes[i, 3] if sizes[i, 3] > 0.0 else inf
+        row[BOUND_SQUARE] = row[BOUND] ** 2
+    return out
+
+
+@njit(cache=True, error_model="numpy")
 def _aim(origin: Array, points: Array) -> tuple[Array, Array]:
     """(N, 3) unit vectors from the origin to the points, and (N,) their distances."""
     directions, lengths = np.empty((len(points), 3)), np.empty(len(points))
     for n in range(len(points)):
-        for k in range(3):
-            directions[n, k] = points[n, k] - origin[k]
-        lengths[n] = sqrt(directions[n, 0] ** 2 + directions[n, 1] ** 2 + directions[n, 2] ** 2)
-        directions[n] /= lengths[n]
+        x, y, z = points[n, 0] - origin[0], points[n, 1] - origin[1], points[n, 2] - origin[2]
+        length = sqrt(x * x + y * y + z * z)
+        directions[n, 0], directions[n, 1], directions[n, 2] = x / length, y / length, z / length
+        lengths[n] = length
     return directions, lengths
 
 
-@njit(cache=True)
-def _in_bundle(
-    bundle: Array, lengths: Array, rel: Array, far: Array, geoms: IntArray, bounds: Array, near: IntArray
-) -> int:
-    """Write which geoms (places in ``geoms``) the cone around a bundle of rays may touch; returns how many.
+@njit(cache=True, error_model="numpy")
+def _in_bundle(bundle: Array, lengths: Array, around: Array, near: Array, places: IntArray) -> int:
+    """Write which geoms the cone around a bundle of rays may touch, and their places; returns how many.
 
     A geom's sphere lies outside the cone if the angle to its centre exceeds that of the cone and its own together,
     here by the cosines of both; and beyond the rays if its nearest point is farther than the farthest of their ends.
     """
-    axis = np.zeros(3)
-    for d in bundle:
-        axis += d
-    length = sqrt(axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2)
-    cosine, sine, reach = -1.0, 0.0, 0.0
-    for n in range(len(lengths)):
+    x = y = z = reach = 0.0
+    for n in range(len(bundle)):
+        x, y, z = x + bundle[n, 0], y + bundle[n, 1], z + bundle[n, 2]
         reach = max(reach, lengths[n])
+    length = sqrt(x * x + y * y + z * z)
+    cosine, sine = -1.0, 0.0
     if length > 0.5 * len(bundle):
-        axis /= length
+        x, y, z = x / length, y / length, z / length
         least = 1.0
-        for d in bundle:
-            least = min(least, d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2])
+        for n in range(len(bundle)):
+            least = min(least, bundle[n, 0] * x + bundle[n, 1] * y + bundle[n, 2] * z)
         if least > 0.0:
             cosine = least - 1e-6
             sine = sqrt(1.0 - cosine * cosine)
     found = 0
-    for i in range(len(geoms)):
-        bound = bounds[geoms[i]]
-        if bound > 0.0 and far[i] > bound:
-            if far[i] - bound > reach:
+    for i in range(len(around)):
+        square, bound, bound_square = around[i, SQUARE], around[i, BOUND], around[i, BOUND_SQUARE]
+        if square > bound_square:
+            if square > (reach + bound) ** 2:
                 continue
-            if cosine > 0.0:
-                along = rel[i, 0] * axis[0] + rel[i, 1] * axis[1] + rel[i, 2] * axis[2]
-                if along < cosine * sqrt(far[i] * far[i] - bound * bound) - sine * bound:
-                    continue
-        near[found] = i
+            along = around[i, 0] * x + around[i, 1] * y + around[i, 2] * z
+            if cosine > 0.0 and along < cosine * sqrt(square - bound_square) - sine * bound:
+                continue
+        for k in range(COLUMNS):
+            near[found, k] = around[i, k]
+        places[found] = i
         found += 1
     return found

@@ -24,6 +24,7 @@ from ..types import (
     SyncReply,
     SyncRequest,
 )
+from .aside import AsideDetectors
 from .detectors import Detectors
 from .glimpse import report
 
@@ -57,6 +58,7 @@ class _Capture(NamedTuple):
     t_s: float
     skeletons: Skeletons
     watched: bool
+    assisted: bool
     report: bool
 
 
@@ -64,7 +66,8 @@ class Client:
     """One sensor's client.
 
     A frame captured at t is ready ``latency_frames`` / ``rate_hz`` later; what it shows is stamped with the device
-    clock of that moment, never back-dated. Told to watch, the client takes every frame and sends events; idle, it
+    clock of that moment, never back-dated. Told to watch, the client takes every frame and sends events; told to
+    assist, it takes every frame and sends only claps that it sees from the side; idle, it
     takes only every frame that a status report is due for. A status that is due with a lost frame goes out with the
     next one taken. Going from idle to watching, its detectors begin anew: everyone must first be seen standing and
     facing the sensor, so that a hand-over amid a turn gives no event of its own. Events of frames taken before the
@@ -81,6 +84,7 @@ class Client:
     Attributes:
         name: the sensor's name.
         watching: whether it detects.
+        assisting: whether it looks for claps from the side.
         next_output_s: session time at which the next frame will have been processed; infinite when none is under way.
     """
 
@@ -95,13 +99,14 @@ class Client:
         dead_from_s: float = math.inf,
     ) -> None:
         self.name = mount.name
-        self.watching = False
+        self.watching = self.assisting = False
         self._mount = mount
         self._sensing = sensing
         self._config = sensor_config
         self._clock = clock
         self._dead_from_s = dead_from_s
         self._detectors = Detectors(detector_config, sensor_config.rate_hz)
+        self._helpers = AsideDetectors(detector_config)
         self._latency_s = sensor_config.latency_frames / sensor_config.rate_hz
         self._pending: deque[_Capture] = deque()
         self.next_output_s = math.inf
@@ -137,7 +142,7 @@ class Client:
         report = self._ticks * self._config.status_hz % self._config.rate_hz < self._config.status_hz
         self._ticks += 1
         self._report_due |= report
-        if not (self.watching or report):
+        if not (self.watching or self.assisting or report):
             return None
         skeletons = self._sensing.sample(view)
         if skeletons is None:
@@ -146,7 +151,7 @@ class Client:
             self._t_first_s = t_s
         if not self._pending:
             self.next_output_s = t_s + self._latency_s
-        self._pending.append(_Capture(t_s, skeletons, self.watching, self._report_due))
+        self._pending.append(_Capture(t_s, skeletons, self.watching, self.assisting, self._report_due))
         self._report_due = False
         return skeletons
 
@@ -179,7 +184,9 @@ class Client:
         if message.watch and not self.watching:
             self._detectors.reset()
             self._detectors.learn(message.durations)
-        self.watching = message.watch
+        if message.assist and not self.assisting:
+            self._helpers.reset()
+        self.watching, self.assisting = message.watch, message.assist
         return None
 
     def _process(self, capture: _Capture, ready_s: float) -> list[DeviceEvent | ClientStatus]:
@@ -191,13 +198,15 @@ class Client:
         )
         if capture.watched and self.watching:
             messages.extend(self._detectors.update(frame))
+        if capture.assisted and self.assisting:
+            messages.extend(self._helpers.update(frame))
         if capture.report:
             messages.append(self._status(t_device_s, capture.skeletons))
         return messages
 
     def _status(self, t_device_s: float, skeletons: Skeletons) -> ClientStatus:
         """Report everyone whose SpineBase and hips are known; others are left out."""
-        found = np.empty((len(skeletons.joints), 4))
+        found = np.empty((len(skeletons.joints), 5))
         report(skeletons.joints, skeletons.state, self._pose, self._bearing_rad, found)
         rows = zip(skeletons.persons.tolist(), found.tolist(), strict=True)
         persons = tuple(PersonStatus(person, *row) for person, row in rows if math.isfinite(row[0] + row[1] + row[2]))

@@ -10,20 +10,22 @@ Forward is towards the sensor. Nothing here knows the choreography. What the rul
   on with it; a stop or a start that happened out of sight is nobody's event, since its time is not known. While a
   person turns faster than `TURNING_RAD_S` the times that arm the start events begin anew.
 * A SpineBase that is inferred serves the regular events. Early events count tracked joints only, since errors of
-  inferred ones exceed the floor. A clap needs both hands and both shoulders tracked in the three frames around its
-  minimum: a hand the sensor cannot see is worth some 10 cm of error, and a guessed clap is worse than a lost one.
+  inferred ones exceed the floor. A clap needs both hands tracked until shortly before they meet, where they hide
+  each other: a hand the sensor cannot see is worth some 10 cm of error, and a guessed clap is worse than a lost one.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from enum import IntEnum
 from typing import NamedTuple
 
 from ..config import DetectorConfig
 from ..types import DeviceEvent, IntArray, Kind, MoveDuration, SkeletonFrame
-from .glimpse import Glimpse, Glimpses
+from .claps import ClapDetector
+from .glimpse import Glimpse, Glimpses, frames_at
 
 FACING_RAD = math.radians(45.0)
 """Largest heading relative to the sensor at which events count: a skeleton's depth errors double by 45 degrees."""
@@ -41,13 +43,8 @@ LOST_S = 0.3
 """A speed that is unknown for longer has hidden whatever happened meanwhile: less than the .4 s within which an event
 counts as the true one (assumed)."""
 
-CLAPPING_RATIO = 1.0
-"""Hands nearer than this many shoulder widths may clap: early starts are disarmed until ``clap_rest_s`` after it,
-also when the clap itself stayed hidden (assumed)."""
-
-TOUCHING_RATIO, STILL_RATIO = 0.3, 0.05
-"""Hands nearer than the first may touch; from frame to frame their ratio is uncertain by less than the second: some
-1 cm per hand (assumed)."""
+MEETING_S = 0.1
+"""How long the hands may be inferred as they meet (assumed)."""
 
 _UPPER_JOINTS = 4
 _ROUNDING_S = 1e-6
@@ -195,59 +192,6 @@ class MotionDetector:
         return Sighting(_STOP[phase], True)
 
 
-class ClapDetector:
-    """Claps of one person: local minima of the hand ratio below ``clap_ratio``.
-
-    Hands that touch stay together for a while; among the small numbers of that while the least is chance. There the
-    minimum is where the ratio stops falling, by less than `STILL_RATIO` between frames.
-
-    The event comes with the frame after the minimum. Hands must have been apart (ratio above ``clap_ratio``) since
-    the last clap, which must be ``clap_rest_s`` ago: hands held together clap once. A frame without a ratio
-    (something not tracked, or not facing the sensor) forgets the frames before it, so that a hand that jumps into
-    sight cannot make a minimum.
-
-    Args:
-        config: ratio and rest.
-    """
-
-    __slots__ = ("_apart", "_before", "_c", "_last", "_t_clap_s", "_t_last_s", "_t_near_s")
-
-    def __init__(self, config: DetectorConfig) -> None:
-        self._c = config
-        self._t_clap_s = self._t_near_s = -math.inf
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget the hands; no clap before they are seen apart."""
-        self._last = self._before = self._t_last_s = math.nan
-        self._apart = False
-
-    def update(self, t_s: float, seen: Glimpse) -> Sighting | None:
-        """Judge one frame at the sensor's time ``t_s``; returns a clap or None."""
-        ratio = seen.hand_ratio if abs(seen.yaw_rad) <= FACING_RAD else math.nan
-        least, t_least_s = self._last, self._t_last_s
-        found = (
-            self._apart
-            and self._before >= least < ratio + (STILL_RATIO if least < TOUCHING_RATIO else 0.0)
-            and least < self._c.clap_ratio
-            and t_s - self._t_clap_s >= self._c.clap_rest_s
-        )
-        self._before, self._last, self._t_last_s = least, ratio, t_s
-        if ratio < CLAPPING_RATIO:
-            self._t_near_s = t_s
-        if found:
-            self._t_clap_s = t_s
-            self._apart = False
-            return Sighting(Kind.CLAP, False, t_least_s)
-        if ratio > self._c.clap_ratio:
-            self._apart = True
-        return None
-
-    def busy(self, t_s: float) -> bool:
-        """Whether a clap may be under way or just over."""
-        return t_s - self._t_near_s < self._c.clap_rest_s
-
-
 class Detectors:
     """All persons' detectors of one client.
 
@@ -256,8 +200,8 @@ class Detectors:
         rate_hz: nominal frame rate.
     """
 
-    def __init__(self, config: DetectorConfig, rate_hz: int) -> None:
-        self._config = config
+    def __init__(self, config: DetectorConfig, rate_hz: float) -> None:
+        self._config = replace(config, early_frames=frames_at(rate_hz, config.early_frames))
         self._glimpses = Glimpses(config, rate_hz)
         self._durations: dict[int, dict[Kind, float]] = {}
         self._persons: IntArray | None = None
@@ -290,19 +234,24 @@ class Detectors:
         span_s, t_s = self._glimpses.span_s, frame.t_sensor_s
         events: list[DeviceEvent] = []
         for row, glimpse in enumerate(seen):
-            clap = self._claps[row].update(t_s, glimpse)
+            clap = self._clap(row, t_s, glimpse)
             early, regular = self._motion[row].update(t_s, glimpse, span_s, self._claps[row].busy(t_s))
             if clap or early or regular:
                 found = (clap, early, regular)
                 events.extend(_device_event(frame, self._names[row], one) for one in found if one)
         return events
 
+    def _clap(self, row: int, t_s: float, glimpse: Glimpse) -> Sighting | None:
+        ratio = glimpse.hand_ratio if abs(glimpse.yaw_rad) <= FACING_RAD else math.nan
+        met_s = self._claps[row].update(t_s, ratio, glimpse.hands == 2)
+        return None if met_s is None else Sighting(Kind.CLAP, False, met_s)
+
     def _meet(self, persons: IntArray) -> None:
         names = persons.tolist()
         if self._persons is None or names != self._names:
             self._glimpses.reset()
             self._names = names
-            self._claps = [ClapDetector(self._config) for _ in names]
+            self._claps = [ClapDetector(self._config, MEETING_S) for _ in names]
             self._motion = [MotionDetector(self._config, self._durations.setdefault(name, {})) for name in names]
         self._persons = persons
 

@@ -26,10 +26,11 @@ class Glimpse(NamedTuple):
         towards: how many of SpineMid, Neck and both shoulders moved towards the sensor by more than the floor.
         away: the same away from the sensor.
         tracked: how many of the four are tracked; the others are not counted above.
-        hand_ratio: hand distance over shoulder distance in the sensor's x-y plane; NaN unless both hands are tracked.
+        hand_ratio: hand distance over shoulder distance in the sensor's x-y plane; NaN unless all four are known.
             The shoulders are its scale only, and may be inferred: raised forearms hide them.
         yaw_rad: heading relative to facing the sensor, counter-clockwise from above; NaN if a hip is missing.
         yaw_rate_rad_s: its rate over the same frames as the speed.
+        hands: how many of the two are tracked.
     """
 
     speed_m_s: float
@@ -39,6 +40,7 @@ class Glimpse(NamedTuple):
     hand_ratio: float
     yaw_rad: float
     yaw_rate_rad_s: float
+    hands: int
 
 
 BASE, MID, NECK, LEFT, RIGHT, HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT = (
@@ -102,8 +104,8 @@ def _look(
                 towards += way > floor_m
                 away += way < -floor_m
         row[1], row[2], row[3] = towards, away, tracked
-        hands = known[HAND_LEFT] == TRACKED and known[HAND_RIGHT] == TRACKED
-        row[4] = _hand_ratio(body) if hands else nan
+        row[4] = _hand_ratio(body)
+        row[7] = (known[HAND_LEFT] == TRACKED) + (known[HAND_RIGHT] == TRACKED)
         yaw = row[5] = yaw_rad(body)
         row[0] = row[6] = nan
         if span_s > 0.0:
@@ -114,14 +116,14 @@ def _look(
 
 @njit(cache=True)
 def report(joints: Array, state: NDArray[np.int8], pose: Array, bearing_rad: float, out: Array) -> None:
-    """Write where everybody stands in the world: x, y [m], yaw [rad] and the share of tracked joints.
+    """Write where everybody stands in the world: x, y [m], yaw [rad], and the shares of tracked joints and hands.
 
     Args:
         joints: (P, 25, 3) in the sensor's frame [m].
         state: (P, 25) tracking states.
         pose: (3, 4) rotation and position of the sensor in the world.
         bearing_rad: heading of someone who faces the sensor.
-        out: (P, 4) output; NaN where SpineBase or a hip is not known.
+        out: (P, 5) output; NaN where SpineBase or a hip is not known.
     """
     for p in range(len(joints)):
         base = joints[p, BASE]
@@ -130,6 +132,16 @@ def report(joints: Array, state: NDArray[np.int8], pose: Array, bearing_rad: flo
         yaw = bearing_rad + yaw_rad(joints[p])
         out[p, 2] = yaw - tau * np.rint(yaw / tau)
         out[p, 3] = np.sum(state[p] == TRACKED) / state.shape[1]
+        out[p, 4] = ((state[p, HAND_LEFT] == TRACKED) + (state[p, HAND_RIGHT] == TRACKED)) / 2.0
+
+
+BASE_HZ = 30
+"""Frame rate that the thresholds' frames are meant for; at another one they stand for the same times."""
+
+
+def frames_at(rate_hz: float, frames: int) -> int:
+    """How many frames of another rate last as long as so many at `BASE_HZ`; at least one."""
+    return max(1, round(frames * rate_hz / BASE_HZ))
 
 
 class Glimpses:
@@ -140,15 +152,16 @@ class Glimpses:
 
     Args:
         config: frames per speed and the early events' floor.
-        rate_hz: nominal frame rate, which turns the floor per frame into a speed.
+        rate_hz: nominal frame rate.
 
     Attributes:
         span_s: time over which the last frame's speeds were taken [s].
     """
 
-    def __init__(self, config: DetectorConfig, rate_hz: int) -> None:
-        self._floor_m_s = config.early_step_m * rate_hz
-        self._frames = config.difference_frames
+    def __init__(self, config: DetectorConfig, rate_hz: float) -> None:
+        self._floor_m_s = config.early_step_m * BASE_HZ
+        self._step = frames_at(rate_hz, 1)
+        self._frames = max(self._step, frames_at(rate_hz, config.difference_frames))
         self._past: deque[tuple[float, Array]] = deque(maxlen=self._frames)
         self.span_s = 0.0
 
@@ -168,7 +181,7 @@ class Glimpses:
         t_s, past = frame.t_sensor_s, self._past
         joints = frame.skeletons.joints
         seen = np.empty((len(joints), _COLUMNS))
-        before_s, before = past[-1] if past else (t_s, seen)
+        before_s, before = past[-min(self._step, len(past))] if past else (t_s, seen)
         oldest_s, oldest = past[0] if len(past) == self._frames else (t_s, seen)
         self.span_s = t_s - oldest_s
         _look(joints, frame.skeletons.state, before, oldest, self._floor_m_s * (t_s - before_s), self.span_s, seen)

@@ -10,12 +10,12 @@ import math
 
 import numpy as np
 
-from ..assets.names import JOINT_INDEX, JOINTS
+from ..assets.names import JOINTS
 from ..choreography.layout import Mount
 from ..config import SensorConfig
 from ..registry import register
 from ..types import Array, BoolArray, IntArray, Skeletons, StageView
-from .sight import BIAS, BLEND, DRIFT, ERRORS, HIDDEN, observe
+from .sight import BIAS, BLEND, DRIFT, ERRORS, FRESH, HIDDEN, KEPT, observe
 
 _LIMBS = ("Elbow", "Wrist", "Hand", "Thumb", "Knee", "Ankle", "Foot")
 FLESH_M = np.where([name.startswith(_LIMBS) for name in JOINTS], 0.13, 0.20)
@@ -32,15 +32,8 @@ below the .20 m/s of a move and the .15 m/s of an early event.
 HAND_BLEND_S = 0.15
 """The same for elbows, wrists and hands, which no motion event looks at (assumed)."""
 
-SETTLED_FACTOR = 1.5
-"""A joint that is seen again is tracked once its error is at most this much larger than a visible joint's (assumed)."""
-
 _BLOCK_FRAMES = 32
 _NO_NOISE = np.empty((0, 3))
-
-_TORSO_NAMES = ("SpineBase", "SpineMid", "SpineShoulder", "ShoulderLeft", "ShoulderRight", "HipLeft", "HipRight")
-TORSO = np.array([JOINT_INDEX[name] for name in _TORSO_NAMES])
-"""While any of these is visible, the person's hidden joints are inferred."""
 
 _ARM = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb")) for name in JOINTS])
 
@@ -50,9 +43,9 @@ class JointsSensing:
     """One sensor's skeletons of everybody on the stage, from the truth.
 
     A joint is *visible* if it lies in the field of view and range and the ray to it meets nothing before it but
-    its own dancer's flesh. Visible joints are tracked (a moment after they come back: see `SETTLED_FACTOR`), others
-    inferred while some of the torso is visible; out of view, or with the torso hidden too, a joint is not tracked
-    and its position is NaN. Left and right are never confused, which a real sensor does behind a person's back.
+    its own dancer's flesh. Visible joints are tracked (a moment after they come back: see `sight.SETTLED_FACTOR`),
+    others inferred while some of the torso is visible; out of view, or with the torso hidden too, a joint is not
+    tracked and its position is NaN. Left and right are never confused, which a real sensor does behind a person's back.
 
     Errors are the sensor's own: a constant bias per person and joint, and a drift that follows a first-order
     autoregression over elapsed frames, also those that were lost or not taken; both times a factor that moves
@@ -80,7 +73,7 @@ class JointsSensing:
         self._persons.flags.writeable = False
         slopes = [math.tan(angle / 2) for angle in (config.horizontal_fov_rad, config.vertical_fov_rad)]
         place = [*mount.world_from_sensor.T.reshape(-1), *mount.position]
-        self._eye = np.array([*place, *slopes, config.min_range_m, config.max_range_m])
+        self._eye = np.array([*place, *slopes, config.min_range_m, config.max_range_m, 0.0, 0.0])
         size = group * len(JOINTS)
         errors = np.zeros((size, ERRORS))
         errors[:, BIAS : BIAS + 3] = config.bias_m * self._draws.standard_normal((size, 3))
@@ -113,12 +106,10 @@ class JointsSensing:
         self._t_s = t_s
         if frames != self._frames:
             self._pace(frames)
+        self.visible = np.empty(self._shape, dtype=bool)
         joints = np.empty((*self._shape, 3))
         state = np.empty(self._shape, dtype=np.int8)
-        observe(
-            truth, self.dancers, hidden, self._eye, TORSO, self._kept, self._fresh, noise, SETTLED_FACTOR,
-            self._errors, self.visible, joints, state,
-        )  # fmt: skip
+        observe(truth, self.dancers, hidden, self._eye, noise, self._errors, self.visible, joints, state)
         joints.flags.writeable = state.flags.writeable = False
         return Skeletons(self._persons, joints, state)
 
@@ -132,7 +123,7 @@ class JointsSensing:
     def _pace(self, frames: int) -> None:
         """How errors move in so many frames: share of the drift kept, what comes anew, share of the factor's way."""
         self._frames = frames
-        self._kept = self._config.drift_correlation**frames
-        self._fresh = self._config.drift_m * math.sqrt(1.0 - self._kept**2)
+        kept = self._config.drift_correlation**frames
+        self._eye[KEPT], self._eye[FRESH] = kept, self._config.drift_m * math.sqrt(1.0 - kept**2)
         blend_s = np.where(self._arm, HAND_BLEND_S, TORSO_BLEND_S)
         self._errors[:, :, BLEND] = 1.0 - np.exp(-frames / self._config.rate_hz / blend_s)

@@ -96,13 +96,10 @@ class Dispatcher:
         self._state: RobotState | None = None
         self._heard_s = 0.0
         self._alive = True
+        self.next_due_s = math.inf
+        """Session time at which `due` or `wakes_due` has something to do; infinite for never."""
         self.decisions: list[Decision] = []
         self.notices: list[Notice] = []
-
-    @property
-    def next_due_s(self) -> float:
-        """Session time at which `due` or `wakes_due` has something to do; infinite for never."""
-        return min(self._pending_s, self._repeat_s, self._wakes[0] if self._wakes else math.inf)
 
     @property
     def current(self) -> MoveCommand | None:
@@ -143,7 +140,7 @@ class Dispatcher:
                 self._withdraw(t_s, item)
             else:
                 self._intend(t_s, item)
-        self._pending_s = min((item.t_s for item in self._pending.values()), default=math.inf)
+        self._set_due()
 
     def order(self, t_s: float, move: Move, speed_m_s: float = 0.0, yaw_rate_rad_s: float = 0.0) -> None:
         """Put a command in force from outside the score, to be sent with the next `due`.
@@ -160,12 +157,14 @@ class Dispatcher:
         key = self._nearest(t_s, move)
         self._put_in_force(t_s, key, move, ORDERED, (speed_m_s, yaw_rate_rad_s))
         self._repeat_s = t_s
+        self._set_due()
 
     def wakes_due(self, t_s: float) -> list[float]:
         """Take out the timers that have come by ``t_s``, earliest first."""
         due: list[float] = []
         while self._wakes and self._wakes[0] <= t_s:
             due.append(heapq.heappop(self._wakes))
+        self._set_due()
         return due
 
     def due(self, t_s: float) -> list[MoveCommand]:
@@ -178,13 +177,17 @@ class Dispatcher:
                     self._log(t_s, key, "ignored", item, self._refusal(key))
                 else:
                     out.append(self._send(t_s, key, item))
-            self._pending_s = min((item.t_s for item in self._pending.values()), default=math.inf)
         if not out and self._repeat_s <= t_s and self._current is not None:
             if self._current.why != ORDERED:
                 self._current = self._paced(self._current)
             out.append(self._current)
             self._repeat_s = t_s + self._beat_s
+        self._set_due()
         return out
+
+    def _set_due(self) -> None:
+        self._pending_s = min((item.t_s for item in self._pending.values()), default=math.inf)
+        self.next_due_s = min(self._pending_s, self._repeat_s, self._wakes[0] if self._wakes else math.inf)
 
     def _intend(self, t_s: float, item: Intention) -> None:
         key = (item.iteration, item.ordinal)

@@ -8,7 +8,7 @@ from ..choreography.score import Timetable
 from ..types import DeviceEvent, Event, Kind
 
 SAME_S = 0.4
-"""Two reports of one person and kind this close are one event: less than the shortest move (.8 s)."""
+"""Two reports of one person's move this close are one event: less than the shortest move (.8 s)."""
 
 _MIRRORED = {
     Kind.START_FORWARD: Kind.START_BACKWARD,
@@ -23,9 +23,11 @@ class Merger:
 
     Args:
         timetable: whose windows divide the events into iterations.
+        clap_rest_s: shortest time between two claps of one person: two reports closer than that are one.
     """
 
-    def __init__(self, timetable: Timetable) -> None:
+    def __init__(self, timetable: Timetable, clap_rest_s: float) -> None:
+        self._clap_rest_s = clap_rest_s
         self._first = timetable.first
         self._closes_s = [timetable.close_s(i) for i in range(timetable.first, timetable.last + 1)]
         self._latest_s: dict[tuple[str, Kind, bool], list[float]] = {}
@@ -51,7 +53,8 @@ class Merger:
         """
         kind = _MIRRORED.get(report.kind, report.kind) if mirrored else report.kind
         counted = self._latest_s.setdefault((person, kind, report.early), [])
-        if any(abs(t_s - before) < SAME_S for before in counted):
+        same_s = self._clap_rest_s if kind is Kind.CLAP else SAME_S
+        if any(abs(t_s - before) < same_s for before in counted):
             return None
         counted.append(t_s)
         del counted[:-4]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
 from ..config import SessionConfig
@@ -18,6 +20,7 @@ from ..types import (
     dancer_name,
 )
 from .active import ActiveClient
+from .assistance import Assistance
 from .clock_sync import MARGIN_S, ClockSync
 from .exchanges import Exchanges
 from .merge import Merger
@@ -38,6 +41,10 @@ FACED = 0.5
 BEHIND = -0.5
 """Cosine below which a client sees a back."""
 
+ASIDE = math.cos(math.radians(110.0))
+"""Least cosine at which a client is asked to help with a person's clap. Its bearing is the whole group's; whether this
+person can be judged from there its detector finds out, which allows 100 degrees."""
+
 ClientMessage = DeviceEvent | ClientStatus | SyncReply
 
 
@@ -46,7 +53,8 @@ class Server:
 
     The active client's events count. At a hand-over those of the other client concerned count as well, if the
     person faces it; what both report counts once, so that the overlap loses none and doubles none. A client that
-    stands in for a dead one and sees a person's back has forward and backward exchanged.
+    stands in for a dead one and sees a person's back has forward and backward exchanged. Claps have an exception of
+    their own, `Assistance`: around their beat the clients at the side help with hands that the active one lacks.
 
     Everything is event-driven: `receive` for what arrives, `due` for what is to be sent, `next_due_s` for when to
     ask again. ``notices`` grows by what went wrong: dead clients, jumped clocks, links that lose packets, reports of
@@ -64,7 +72,9 @@ class Server:
         cast = [dancer_name(index) for index in range(group)]
         self._persons = Persons(cast, layout.dancers)
         self._roll_call = RollCall(cast, timetable)
-        self._merger = Merger(timetable)
+        self._assistance = Assistance(cast, timetable, config.detectors.assist_s)
+        self._helpers: frozenset[str] = frozenset()
+        self._merger = Merger(timetable, config.detectors.clap_rest_s)
         self._clocks = {sensor: ClockSync() for sensor in self._active.sensors}
         self._exchanges = {sensor: Exchanges(sensor) for sensor in self._clocks}
         self._sync_s = 1.0 / config.network.sync_hz
@@ -72,7 +82,7 @@ class Server:
         count = len(self._clocks)
         self._sync_due_s = {sensor: place * self._sync_s / count for place, sensor in enumerate(self._clocks)}
         self._order_due_s = 0.0
-        self._ordered: frozenset[str] | None = None
+        self._ordered: tuple[frozenset[str], frozenset[str]] | None = None
         self._nameless: set[tuple[str, int]] = set()
         self._started: dict[str, Event] = {}
         self._logged: dict[tuple[str, Kind], float] = {}
@@ -120,10 +130,12 @@ class Server:
             if jump:
                 self.notices.append(Notice(t_arrival_s, message.sensor, f"clock jumped by {jump:+.3f} s"))
             return []
-        self._persons.update(message.sensor, self._plausible(message.sensor, message.t_device_s, t_arrival_s),
-                             message.persons)  # fmt: skip
+        t_s = self._plausible(message.sensor, message.t_device_s, t_arrival_s)
+        self._persons.update(message.sensor, t_s, message.persons)
         self._active.report(t_arrival_s, message)
         self.notices += self._active.choose(t_arrival_s)
+        if message.sensor == self.active:
+            self._assistance.saw(t_s, self._hands(message))
         return []
 
     def due(self, t_s: float) -> list[SyncRequest | ClientOrder]:
@@ -139,15 +151,36 @@ class Server:
                 missed = int((t_s - due_s) / self._sync_s)
                 self._sync_due_s[sensor] = due_s + (missed + 1) * self._sync_s
         watching = self._active.watching(t_s)
-        if t_s >= self._order_due_s or watching != self._ordered:
+        self._helpers = self._helping(t_s)
+        if t_s >= self._order_due_s or (watching, self._helpers) != self._ordered:
             out += [
-                ClientOrder(sensor, sensor in watching, self._durations(sensor) if sensor in watching else ())
+                ClientOrder(sensor, sensor in watching, self._durations(sensor) if sensor in watching else (),
+                            sensor in self._helpers)
                 for sensor in self._clocks
-            ]
+            ]  # fmt: skip
             self._order_due_s = t_s + ORDER_S
-            self._ordered = watching
+            self._ordered = watching, self._helpers
         self.next_due_s = min(self._order_due_s, self._roll_call.next_due_s, *self._sync_due_s.values())
         return out
+
+    def _hands(self, status: ClientStatus) -> list[str]:
+        """Of whom a client sees both hands."""
+        names = (self._persons.name(status.sensor, one.person) for one in status.persons if one.hands == 1.0)
+        return [name for name in names if name is not None]
+
+    def _helping(self, t_s: float) -> frozenset[str]:
+        """Sensors that are to look for claps from the side: whoever has begun goes on until the window is over."""
+        if not self._assistance.window(t_s):
+            return frozenset()
+        unseen = self._assistance.unseen(t_s)
+        able = (sensor for sensor in self._clocks for name in unseen if self._sees_aside(sensor, name))
+        return (self._helpers | frozenset(able)) - {self.active}
+
+    def _sees_aside(self, sensor: str, name: str) -> bool:
+        person = self._persons.local(sensor, name)
+        if person is None or not self._active.lives(sensor):
+            return False
+        return self._active.facing(sensor, person) >= ASIDE
 
     def _durations(self, sensor: str) -> tuple[MoveDuration, ...]:
         """What the other clients logged of everybody, in the terms of one sensor."""
@@ -179,7 +212,9 @@ class Server:
         t_s = self._plausible(report.sensor, report.t_device_s, t_arrival_s)
         facing = self._active.facing(report.sensor, report.person)
         expected = self._active.expected(t_s)
-        if report.sensor != self._active.name and not (report.sensor in expected and facing >= FACED):
+        faced = report.sensor == self._active.name or (report.sensor in expected and facing >= FACED)
+        helps = report.kind is Kind.CLAP and self._assistance.counts(person, t_s)
+        if not (faced or helps):
             return None
         mirrored = report.sensor not in expected and facing < BEHIND
         return self._merger.merge(report, person, t_s, t_arrival_s, mirrored=mirrored)

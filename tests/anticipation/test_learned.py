@@ -18,26 +18,9 @@ from sjasim.types import (
 )
 
 from ..contracts.test_anticipation import STEPS, brief
+from .policies import WIDTH, write
 
 PLAN = brief()
-WIDTH = len(Features(brief()).row(0.0, 0, 0.0))
-
-
-def write(path, lead=0.5, **changes):
-    """A policy that wants each of the dance's moves from ``lead`` beats before it has its beat, and knows no people."""
-    changing = len(STEPS) - 1
-    moves = [MOVES.index(MOVE_OF[step.kind]) for step in STEPS]
-    w0, w1 = np.zeros((changing, WIDTH)), np.zeros((4, changing))
-    w0[:, 0] = 1e4  # of the beat over 40: a switch
-    for k in range(changing):
-        w1[moves[k], k], w1[moves[k + 1], k] = -1.0, 1.0
-    arrays = {
-        "mean": np.zeros(WIDTH), "std": np.ones(WIDTH), "clip": 10.0, "step_hz": 10,
-        "w0": w0, "b0": -1e4 * (np.array([step.beat for step in STEPS[1:]]) - lead) / 40.0,
-        "w1": w1, "b1": np.eye(4)[moves[0]] + np.eye(4)[moves[-1]],
-    }  # fmt: skip
-    np.savez(path, **{key: value for key, value in {**arrays, **changes}.items() if value is not None})
-    return str(path)
 
 
 @pytest.fixture

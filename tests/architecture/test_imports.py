@@ -38,7 +38,7 @@ ONLY = {
     "analysis": {
         "anticipation": {"anticipation.synchrony", "anticipation.appropriateness"},
         "record": None,
-        "humans": set(), "robot": set(), "sensors": set(), "server": set(),
+        "humans": {"humans.parameters"}, "robot": set(), "sensors": set(), "server": set(),
     },
 }  # fmt: skip
 """Room -> room below -> the modules of it that may be imported (None: all)."""

@@ -1,16 +1,29 @@
 """The README's example is a method: it keeps the contract and commands every step that its dancer dances."""
 
+import dataclasses
+import importlib
 import json
+import math
 import re
 from pathlib import Path
 
+import gymnasium as gym
 import numpy as np
 import pytest
+from sjasim_envs import ENVIRONMENTS
+from sjasim_envs.dance import OPTIONS
+from sjasim_envs.reward import RewardConfig
+from sjasim_envs.wrappers import Told
 
+from sjasim import cli
 from sjasim.answers import Brief, Intention
 from sjasim.anticipation import method
 from sjasim.choreography.timetable import timetable
-from sjasim.config_io import from_plain
+from sjasim.config import SessionConfig
+from sjasim.config_io import from_plain, to_plain
+from sjasim.errors import SjasimError
+from sjasim.people import people
+from sjasim.record.tables import write_rows
 
 from ..analysis.synthetic import session
 
@@ -54,9 +67,59 @@ def test_the_readme_names_files_and_figures_that_exist():
         json.loads(block)
 
 
+def test_the_page_of_the_environments_names_what_they_have():
+    page = (ROOT / "docs" / "environment.md").read_text(encoding="utf-8")
+    env = gym.make("sjasim:sjasim/Dance-v0", disable_env_checker=True)
+    dancers, steps = env.unwrapped.config.group, env.observation_space["last_iteration"].shape[1]
+    for name, space in env.observation_space.items():
+        shape = str(space.shape).replace(str((dancers, steps)), "(D, K)").replace(f"({dancers}, ", "(D, ")
+        assert f"| `{name}` | {shape} |" in page, name
+    for field in dataclasses.fields(RewardConfig):
+        assert f"`{field.name}` {field.default:g}" in page, field.name
+    assert all(f"`{name}`" in page for name in (*ENVIRONMENTS, *OPTIONS))
+    assert f"{Told(env).observation_space.shape[0]} numbers" in page
+    assert page.count("<!-- ") == 2
+
+
 def test_the_training_example_learns_for_some_seconds(monkeypatch, capsys):
     code = (ROOT / "docs" / "examples" / "train.py").read_text(encoding="utf-8")
-    assert sum(1 for line in code.splitlines()[3:] if line.strip()) <= 14
-    short = code.replace("iterations=1,", 'iterations=1, dance={"rehearsal": False, "bpm": 200.0},')
+    imports, lines = code.partition('"""\n\n')[2].split("\n\n")
+    assert len(lines.splitlines()) == 10
+    assert f"```python\n{imports}\n\n{lines}```" in (ROOT / "docs" / "environment.md").read_text(encoding="utf-8")
+    short = code.replace('"rehearsal": False', '"rehearsal": False, "bpm": 200.0')
     exec(compile(short.replace("range(3)", "range(1)"), "train.py", "exec"), {})
     assert "episode 0: return" in capsys.readouterr().out
+
+
+def test_the_readmes_participants_are_fitted_and_dance(tmp_path, monkeypatch, capsys):
+    """Every command of "Your own participants", beside a session's folder; of `run` all but the dancing."""
+    config = SessionConfig(humans="musicians", iterations=4)
+    table = timetable(config)
+    model, cues = people(config, table), []
+    for iteration in range(5):
+        model.begin(iteration, None, np.zeros(3))
+        cues += [cue for own in model.decide(0.0, ()) for cue in own]
+    folder = tmp_path / "runs" / "sia"
+    folder.mkdir(parents=True)
+    write_rows(folder / "cues.parquet", "cues", cues, {})
+    (folder / "session.json").write_text(json.dumps({"schema": 1, "versions": {}, "config": to_plain(config)}))
+    monkeypatch.chdir(tmp_path)
+    danced = []
+
+    def dance(config, audience=None):
+        model = people(config, timetable(config))
+        model.begin(0, None, np.zeros(config.group))
+        danced.append([cue for own in model.decide(0.0, ()) for cue in own])
+        raise SjasimError("enough")
+
+    monkeypatch.setattr("sjasim.run.dance", dance)
+    text = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Your own participants")[2]
+    commands = re.findall(r"^python3 scripts/launch.py (\w+) ([^#\n]*)", text.partition("\n## ")[0], re.M)
+    commands = [(name, arguments) for name, arguments in commands if name in ("calibrate", "run")]
+    assert [name for name, _ in commands] == ["calibrate", "run", "run"]
+    for name, arguments in commands:
+        ended = cli.main(importlib.import_module(f"sjasim.{name}").command, arguments.split())
+        said = capsys.readouterr().err
+        assert (ended, "enough" in said) == ((2, True) if name == "run" else (0, False)), said
+    assert [len(cues) for cues in danced] == [18, 18]
+    assert all(math.isclose(one.t_s, other.t_s) for one, other in zip(danced[1], cues, strict=False))

@@ -6,14 +6,17 @@ import dataclasses
 import multiprocessing
 import subprocess
 import sys
+import types
+import warnings
 
 import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium import error
 from gymnasium.utils.env_checker import check_env
-from gymnasium.wrappers import FlattenObservation
+from gymnasium.wrappers import FlattenObservation, RecordEpisodeStatistics, RecordVideo, RescaleAction, TimeLimit
 from sjasim_envs import ENVIRONMENTS
+from sjasim_envs.dance import DanceEnv
 from sjasim_envs.wrappers import InOrder, Told
 
 import sjasim
@@ -32,11 +35,23 @@ def make(name="sjasim/Dance-v0", **options):
 
 
 @pytest.mark.parametrize("name", IDS)
-@pytest.mark.filterwarnings("ignore:.*symmetric and normalized:UserWarning")
 def test_every_id_passes_gymnasiums_own_check(name):
+    """Without a warning, but that the continuous limits are the robot's own: `RescaleAction` makes them -1 and 1."""
     env = gym.make(name, **FAST)
-    check_env(env.unwrapped, skip_render_check=True)
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        check_env(env.unwrapped, skip_render_check=True)
+    said = [str(warning.message) for warning in heard]
+    assert all("symmetric and normalized" in text for text in said)
+    assert len(said) == (name == "sjasim/DanceContinuous-v0")
     env.close()
+    env.close()
+
+
+def test_its_rendering_passes_too(monkeypatch):
+    monkeypatch.setitem(DanceEnv.metadata, "render_modes", ["rgb_array"])  # a window is refused without a display
+    env = pictured(gym.make("sjasim/Dance-v0", render_mode="rgb_array", width=64, height=48, **FAST))
+    check_env(env.unwrapped)
     env.close()
 
 
@@ -247,13 +262,60 @@ def test_environments_run_in_processes_of_their_own(context):
     assert np.array_equal(there[0], env.step(1)[0])
 
 
-def test_pictures():
-    env = make(render_mode="rgb_array", width=160, height=120)
+def pictured(env):
+    """The same environment, if OpenGL can be had here."""
     env.reset(seed=0)
     try:
-        picture = env.render()
+        env.render()
     except error.DependencyNotInstalled as missing:
         pytest.skip(str(missing))
+    return env
+
+
+def test_gymnasiums_recorder_films_every_step(monkeypatch, tmp_path):
+    """The wrapper itself; what makes a file of its frames is moviepy's, which need not be installed."""
+    films = []
+
+    class Clip:
+        def __init__(self, frames, fps):
+            films.append((np.array(frames), fps))
+
+        def write_videofile(self, path, **_):
+            assert str(tmp_path) in path
+
+    library, clips = types.ModuleType("moviepy"), types.ModuleType("moviepy.video.io.ImageSequenceClip")
+    clips.ImageSequenceClip = Clip
+    for name in ("moviepy", "moviepy.video", "moviepy.video.io"):
+        monkeypatch.setitem(sys.modules, name, library)
+    monkeypatch.setitem(sys.modules, clips.__name__, clips)
+    bare = pictured(make(render_mode="rgb_array", width=160, height=120, step_hz=10))
+    env = RecordVideo(bare, str(tmp_path / "films"), episode_trigger=lambda _: True)
+    env.reset(seed=0)
+    for _ in range(3):
+        env.step(0)
+    env.close()
+    ((frames, fps),) = films
+    assert frames.shape == (4, 120, 160, 3)
+    assert fps == 10
+    assert frames[0].std() > 10
+
+
+def test_gymnasiums_wrappers_go_round_it():
+    env = RecordEpisodeStatistics(FlattenObservation(TimeLimit(make(step_hz=5), max_episode_steps=4)))
+    observation, _ = env.reset(seed=1)
+    assert observation in env.observation_space
+    for _ in range(4):
+        _, _, terminated, truncated, info = env.step(0)
+    assert (terminated, truncated, info["episode"]["l"]) == (False, True, 4)
+    driven = RescaleAction(make("sjasim/DanceContinuous-v0"), np.float32(-1.0), np.float32(1.0))
+    driven.reset(seed=1)
+    driven.step(np.ones(2, dtype=np.float32))
+    assert driven.unwrapped.session.dispatcher.current.speed_m_s == pytest.approx(0.65)
+
+
+def test_pictures():
+    env = pictured(make(render_mode="rgb_array", width=160, height=120))
+    picture = env.render()
     assert picture.shape == (120, 160, 3)
     assert picture.dtype == np.uint8
     assert picture.std() > 10

@@ -105,11 +105,10 @@ class Floor:
         for tick in range(self.tick, last):
             self.stage.apply(self.balance.targets(tick, self.stage.states()))
             self.stage.step_to((tick + 1) * TICKS)
-            hands, tether = np.zeros((len(self.cues), 2, 3)), np.zeros((len(self.cues), 5))
-            self.stage.copy_hands(hands)
-            self.stage.copy_tether(tether)
-            gaps = np.linalg.norm(hands[:, 0] - hands[:, 1], axis=1)
-            rows = self.stage.states().root, tether, self.stage.loads(), gaps
+            self.stage.feel()
+            states = self.stage.states()
+            gaps = np.linalg.norm(states.hands[:, 0] - states.hands[:, 1], axis=1)
+            rows = states.root, states.tether, states.load, gaps
             for column, row in zip(self.truth.values(), (*rows, self.stage.joints_m), strict=True):
                 column.append(np.array(row))
         self.tick = last

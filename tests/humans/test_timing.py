@@ -22,7 +22,7 @@ from .dancing import dance
 SLOW = 40.0
 """A tempo so slow that events never run into one another and the order rule is never felt."""
 
-NOISY = [name for name in preset_names() if name != "metronomic"]
+NOISY = ("paper-entrainment", "paper-warmup", "one-late", "tempo-change")
 
 
 def timetable(bpm: float = 118.0) -> Timetable:

@@ -2,7 +2,10 @@
 
 import pytest
 
+from sjasim.choreography.timetable import timetable
 from sjasim.config import DanceConfig
+from sjasim.config_io import from_plain
+from sjasim.types import Move
 
 from .conftest import dance, heard_of
 
@@ -43,3 +46,36 @@ def test_a_dancer_who_stops_is_named_and_the_others_dance_on(stopped, clean):
     assert stopped.measures.gsi_full_edges < clean.measures.gsi_full_edges
     assert stopped.log.cost["sim_s"] == clean.log.cost["sim_s"]
     assert stopped.measures.robot_missed == 0
+
+
+def test_people_who_heed_a_late_robot_wait_for_it(tmp_path):
+    """They decide move by move: the first move is on the beat, and each later one is nearer to the robot's."""
+    heed = tmp_path / "heed.toml"
+    heed.write_text("robot_coupling = 0.5\n")
+    late = dance(method="metronome", humans=str(heed), method_options={"lead_s": -0.3})
+    table = timetable(from_plain(late.log.config))
+    behind = {}
+    for cue in late.log.cues:
+        behind.setdefault(cue.ordinal, []).append(cue.t_s - table.time_s(1, cue.beat))
+    robot = [event.t_s for event in late.log.robot_events]
+    assert len(robot) == 9
+    own = robot[2] - table.time_s(1, 8.0)
+    assert behind[0] == pytest.approx([0.0] * 3)
+    assert own > 0.2
+    assert 0.3 * own < behind[2][0] < 0.8 * own
+    assert behind[2][0] < behind[6][0] < 1.1 * own
+    assert late.measures.robot_missed == 0
+
+
+def test_people_and_robot_dance_to_music_that_changes_its_tempo():
+    """A robot that keeps to the beat is as well timed in an accelerando with a pause as in steady music."""
+    music = DanceConfig(rehearsal=False, tempo=((0.0, 1.0), (30.0, 1.25)), pauses=((16.0, 2.0),))
+    bent = dance(method="metronome", dance=music)
+    table = timetable(from_plain(bent.log.config))
+    for cue in bent.log.cues:
+        if cue.move is not Move.TURN:
+            assert cue.t_s == pytest.approx(table.time_s(1, cue.beat))
+    assert table.time_s(1, 16.0) - table.time_s(1, 12.0) > 3.5
+    assert bent.measures.robot_missed == 0
+    assert bent.measures.ta_mean_s < 0.25
+    assert bent.measures.as_dict()["falls"] == 0

@@ -189,7 +189,7 @@ def test_what_happens_out_of_sight_is_nobodys_event(blind_s, expected):
         t_s = frame / FRAME_HZ
         speed = 0.25 * (1.0 <= t_s < 3.0) - 0.25 * (4.0 <= t_s < 6.0)
         blind = blind_s[0] <= t_s < blind_s[1]
-        glimpse = Glimpse(math.nan if blind else speed, 0, 0, 4, math.nan, 0.0, 0.0)
+        glimpse = Glimpse(math.nan if blind else speed, 0, 0, 4, math.nan, 0.0, 0.0, 0)
         _, regular = detector.update(t_s, glimpse, 4 / FRAME_HZ, False)
         seen += [regular.kind] if regular else []
     words = ["stop" if kind in (Kind.STOP_FORWARD, Kind.STOP_BACKWARD) else kind.value[6:] for kind in seen]

@@ -29,6 +29,7 @@ class Hall:
         yaw: (t_s, dancer) -> heading of a dancer; by default they turn from beat 32.5 to 36.
         silent: sensor -> session time from which it says nothing.
         hidden: (sensor, t_s) -> whether the sensor sees nobody.
+        hands: (sensor, t_s, dancer) -> share of the dancer's hands that the sensor sees.
     """
 
     def __init__(self, clocks=None):
@@ -37,6 +38,7 @@ class Hall:
         self.clocks = offsets
         self.silent = {}
         self.hidden = lambda sensor, t_s: False
+        self.hands = lambda sensor, t_s, dancer: 1.0
         self.yaw = self.turning
         self.orders = []
         self.actives = []
@@ -95,7 +97,8 @@ class Hall:
     def _status(self, sensor, t_s):
         base = 10 * CARDINALS.index(sensor)
         people = tuple(
-            PersonStatus(base + i, float(x), float(y), self.yaw(t_s, i), 0.9) for i, (x, y) in enumerate(LAYOUT.dancers)
+            PersonStatus(base + i, float(x), float(y), self.yaw(t_s, i), 0.9, self.hands(sensor, t_s, i))
+            for i, (x, y) in enumerate(LAYOUT.dancers)
         )
         return ClientStatus(sensor, self.clocks[sensor].reading(t_s), () if self.hidden(sensor, t_s) else people)
 

@@ -10,7 +10,7 @@ NAMES = ("dancer_1", "dancer_2", "dancer_3")
 
 
 def seen(places):
-    return [PersonStatus(person, x, y, 0.0, 1.0) for person, (x, y) in places.items()]
+    return [PersonStatus(person, x, y, 0.0, 1.0, 1.0) for person, (x, y) in places.items()]
 
 
 def names(persons, sensor, *ids):

@@ -1,0 +1,78 @@
+"""``python -m sjasim.calibrate``: fit the human timing model to recorded groups, and keep it as a preset's file."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import tyro
+from rich.console import Console
+from rich.table import Table
+
+from . import cli
+from .config import DanceConfig
+from .view import check_file
+
+ABOUT = "Fit coupling and noise of the human timing model to event tables or sessions' folders."
+
+
+@dataclass(frozen=True)
+class Options:
+    """The human timing model fitted to recorded groups.
+
+    Attributes:
+        paths: event tables (.csv, .parquet) or sessions' folders.
+        out: TOML file for the fit, to be danced with --humans FILE.toml.
+        time: whether people kept to the dance's music, or free time, where only what divides them is fitted.
+        coupling: one number for all pairs of dancers, or a matrix.
+        noise: one scale for all dancers, or one for each.
+        dance: what was danced, for tables that come without it; a session's folder knows its own.
+        overwrite: replace an earlier file.
+        json: print the fit, and nothing else, as JSON on stdout.
+    """
+
+    paths: tyro.conf.Positional[tuple[Path, ...]]
+    out: Path | None = None
+    time: Literal["music", "free"] = "music"
+    coupling: Literal["one", "matrix"] = "one"
+    noise: Literal["one", "each"] = "one"
+    dance: DanceConfig = field(default_factory=DanceConfig)
+    overwrite: bool = False
+    json: bool = False
+
+
+def command(arguments: Sequence[str]) -> None:
+    """Read, fit, show, keep."""
+    options = cli.parse(Options, arguments, None, "python -m sjasim.calibrate", ABOUT)
+    if options.out is not None:
+        check_file(options.out, options.overwrite)
+    from .analysis.calibration import as_toml, gather
+    from .analysis.timing_fit import fit_performances
+
+    dance = None if options.dance == DanceConfig() else options.dance
+    data = gather(options.paths, dance, options.time == "music")
+    if data.unused:
+        sys.stderr.write(f"{data.unused} events are not used: another of the same dancer is nearer to their step\n")
+    fit = fit_performances(data, coupling=options.coupling, noise=options.noise)
+    if options.out is not None:
+        options.out.write_text(as_toml(fit), encoding="utf-8")
+        sys.stderr.write(f"kept in {options.out}\n")
+    if options.json:
+        plain = {"schema": 1, "agents": fit.agents, "performances": fit.performances, "events": fit.events}
+        estimates = {name: asdict(item) for name, item in fit.estimates.items()}
+        sys.stdout.write(json.dumps({**plain, "log_likelihood": fit.log_likelihood, "estimates": estimates}) + "\n")
+        return
+    table = Table(title=f"{fit.events} events of {', '.join(fit.agents)} in {fit.performances} performances")
+    for name in ("parameter", "fitted", "95 % interval"):
+        table.add_column(name, justify="left" if name == "parameter" else "right")
+    for name, item in fit.estimates.items():
+        table.add_row(name.replace("[", "\\["), f"{item.value:.4f}", f"{item.low:.4f} to {item.high:.4f}")
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    sys.exit(cli.main(command))

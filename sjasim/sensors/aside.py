@@ -1,0 +1,111 @@
+"""Claps seen from the side, for people whose hands the client they face cannot see.
+
+From there the paper's rule says nothing: hands and shoulders lie behind one another in the sensor's x-y plane, and the
+near hand hides the far one as they meet. What is left is the near hand and the depth.
+"""
+
+from __future__ import annotations
+
+import math
+from math import hypot
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..config import DetectorConfig
+from ..types import TRACKED, Array, DeviceEvent, IntArray, Kind, SkeletonFrame
+from .claps import ClapDetector
+from .glimpse import HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT, LEFT, RIGHT, yaw_rad
+
+ASIDE_RAD = math.radians(100.0)
+"""Largest heading relative to the sensor: beyond it the back hides the hands."""
+
+FAR_SLACK = 0.4
+"""So many shoulder widths the far hand, guessed behind the near one, may be off (measured on depth skeletons)."""
+
+MEMORY_S = 0.35
+"""How long the near hand may be inferred: hands that touch stay so long without a surface of their own (assumed)."""
+
+_YAW, _RATIO, _NEAR = range(3)
+
+
+@njit(cache=True)
+def _ratio(joints: Array, slack: float) -> float:
+    """How far the hands of one person (25, 3) are from meeting; NaN where a hand, shoulder or hip is not known.
+
+    Twice the near hand's distance from the body's middle plane over the shoulder distance: people clap in their
+    middle (assumed). No less than the distance of the hands over that of the shoulders, in space, less ``slack``: one
+    arm that swings across is no clap.
+    """
+    line = joints[LEFT] - joints[RIGHT]
+    width = np.sqrt(np.sum(line**2))
+    line = line + joints[HIP_LEFT] - joints[HIP_RIGHT]
+    across = hypot(line[0], line[2])
+    if not (width > 0.0 and across > 0.0):
+        return math.nan
+    near = joints[HAND_LEFT] if joints[HAND_LEFT, 2] < joints[HAND_RIGHT, 2] else joints[HAND_RIGHT]
+    off = near - (joints[LEFT] + joints[RIGHT]) / 2
+    middle = abs(off[0] * line[0] + off[2] * line[2]) / across
+    apart = np.sqrt(np.sum((joints[HAND_LEFT] - joints[HAND_RIGHT]) ** 2))
+    return float(max(2.0 * middle, apart - slack * width) / width)
+
+
+@njit(cache=True)
+def _look(joints: Array, state: NDArray[np.int8], out: Array) -> None:
+    """Write everybody's heading relative to the sensor, ratio, and whether the near hand is tracked: (P, 3)."""
+    for p in range(len(joints)):
+        body = joints[p]
+        left = body[HAND_LEFT, 2] < body[HAND_RIGHT, 2]
+        near, far = (HAND_LEFT, HAND_RIGHT) if left else (HAND_RIGHT, HAND_LEFT)
+        out[p, _YAW] = yaw_rad(body)
+        out[p, _RATIO] = _ratio(body, 0.0 if state[p, far] == TRACKED else FAR_SLACK)
+        out[p, _NEAR] = state[p, near] == TRACKED
+
+
+class AsideDetectors:
+    """All persons' claps of one client that looks from the side.
+
+    Args:
+        config: the clap's thresholds.
+    """
+
+    def __init__(self, config: DetectorConfig) -> None:
+        self._config = config
+        self._persons: IntArray | None = None
+        self._names: list[int] = []
+        self._claps: list[ClapDetector] = []
+
+    def reset(self) -> None:
+        """Begin anew: nobody's hands have been seen apart."""
+        self._persons = None
+        self._names = []
+
+    def update(self, frame: SkeletonFrame) -> list[DeviceEvent]:
+        """Judge one frame; frames come in order of their time, some may be missing.
+
+        Args:
+            frame: all persons' skeletons. If the persons differ from the last frame's, all begin anew.
+
+        Returns:
+            the claps that it shows, stamped with the time it had been processed.
+        """
+        joints, t_s = frame.skeletons.joints, frame.t_sensor_s
+        if frame.skeletons.persons is not self._persons:
+            self._meet(frame.skeletons.persons)
+        figures = np.empty((len(joints), 3))
+        _look(joints, frame.skeletons.state, figures)
+        events = []
+        for person, clap, (yaw, ratio, near) in zip(self._names, self._claps, figures.tolist(), strict=True):
+            met_s = clap.update(t_s, ratio if abs(yaw) <= ASIDE_RAD else math.nan, near > 0.0)
+            if met_s is not None:
+                onset_s = frame.t_capture_device_s + met_s - t_s
+                events.append(DeviceEvent(frame.sensor, person, Kind.CLAP, frame.t_device_s, False, onset_s))
+        return events
+
+    def _meet(self, persons: IntArray) -> None:
+        names = persons.tolist()
+        if names != self._names:
+            self._names = names
+            self._claps = [ClapDetector(self._config, MEMORY_S) for _ in names]
+        self._persons = persons

@@ -1,0 +1,100 @@
+"""From event tables to a preset that dances, by the command and in Python."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import sjasim
+from sjasim import calibrate, cli
+from sjasim.choreography.timetable import timetable
+from sjasim.config import SessionConfig
+from sjasim.errors import ConfigError, PluginError, RecordError
+from sjasim.humans.parameters import read_parameters
+from sjasim.people import people
+
+CONFIG = SessionConfig(humans="musicians", method="none")
+
+
+@pytest.fixture
+def table(tmp_path):
+    """Eight sessions of musicians, as a laboratory would keep them."""
+    lines = ["session,iteration,agent,kind,t_s"]
+    dance = timetable(CONFIG)
+    for session in range(8):
+        model = people(SessionConfig(humans="musicians", method="none", seed=670_000 + session), dance)
+        for iteration in range(5):
+            model.begin(iteration, None, np.zeros(3))
+            for own in model.decide(-math.inf, ()):
+                rows = [(cue.dancer, kind, t_s) for cue in own for kind, t_s in cue.events()]
+                lines += [f"group {session},{iteration},{who},{kind},{t_s:.4f}" for who, kind, t_s in rows]
+    path = tmp_path / "events.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def test_a_fit_is_kept_as_a_preset_that_dances(table, tmp_path, capsys):
+    out = tmp_path / "ours.toml"
+    assert cli.main(calibrate.command, [str(table), "--out", str(out)]) == 0
+    said = capsys.readouterr()
+    assert "timekeeper_s" in said.out
+    assert "coupling" in said.out
+    parameters = read_parameters(out)
+    assert parameters.timekeeper_s == pytest.approx(0.025, rel=0.2)
+    assert "sessions: 8" in parameters.about
+    model = people(SessionConfig(humans=str(out)), timetable(CONFIG))
+    model.begin(0, None, np.zeros(3))
+    assert sum(len(own) for own in model.decide(0.0, ())) >= 12
+    assert cli.main(calibrate.command, [str(table), "--out", str(out)]) == 2
+    assert "overwrite" in capsys.readouterr().err
+
+
+def test_the_fit_as_json_and_in_python_are_one(table, capsys):
+    assert cli.main(calibrate.command, [str(table), "--json", "--time", "free"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    fit = sjasim.fit_timing(table, music=False)
+    assert told["schema"] == 1
+    assert told["events"] == fit.events
+    assert told["estimates"]["coupling"]["value"] == pytest.approx(fit.estimates["coupling"].value)
+
+
+def test_bad_input_is_one_line(table, tmp_path, capsys):
+    text = table.read_text().splitlines()
+    text[3] = text[3].rpartition(",")[0] + ",soon"
+    (tmp_path / "wrong.csv").write_text("\n".join(text))
+    for arguments, says in (
+        ([str(tmp_path / "wrong.csv")], "wrong.csv, line 4, column 't_s'"),
+        ([], "paths"),
+        ([str(table), "--coupling", "some"], "coupling"),
+        ([str(table), "--dance.bpm", "60"], "dance.bpm"),
+    ):
+        assert cli.main(calibrate.command, arguments) == 2
+        said = capsys.readouterr().err
+        assert says in said
+        assert said.count("\n") == 1
+
+
+def test_people_of_a_table_dance_again(table, tmp_path):
+    dance = timetable(CONFIG)
+    model = people(SessionConfig(humans=f"replay:{table}#group 3"), dance)
+    model.begin(2, None, np.zeros(3))
+    drawn = model.decide(0.0, ())
+    wanted = [line for line in table.read_text().splitlines() if line.startswith("group 3,2,dancer_2,")]
+    events = [(kind, t_s) for cue in drawn[1] for kind, t_s in cue.events()]
+    assert [f"{kind},{t_s:.4f}" for kind, t_s in events] == [line.split(",", 3)[3] for line in wanted]
+    with pytest.raises(ConfigError, match=r"one session of the table: replay:.*#group 0"):
+        people(SessionConfig(humans=f"replay:{table}"), dance)
+    with pytest.raises(RecordError, match="does not exist"):
+        people(SessionConfig(humans="replay:nothing.csv"), dance)
+
+
+def test_an_own_model_needs_the_three_methods():
+    with pytest.raises(PluginError, match="lacks begin, decide or next_due_s"):
+        people(SessionConfig(humans="tests.test_calibrate:nobody"), timetable(CONFIG))
+
+
+def nobody(*_):
+    return object()
