@@ -173,7 +173,7 @@ class SkeletonEstimator:
                 person.lose(interval_s)
                 continue
             seen = (support[k] > self._model.support) & np.isfinite(joints[k, :, 0])
-            person.clasp(joints[k], seen, interval_s)
+            person.hold(joints[k], seen, interval_s)
             person.see(joints[k], seen, self._model.posture, self._model.mean, interval_s)
 
     def _skeletons(self) -> Skeletons:

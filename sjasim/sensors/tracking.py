@@ -52,6 +52,8 @@ OWN_MOTION_S, SPIN_S, SPIN_RAD_S = 0.40, 0.15, 0.4
 less than each: shorter the faster the person turns, by a rate smoothed with the second (assumed)."""
 TOUCH_M, CLASP_S = 0.16, 0.4
 """Hands that were seen closer than this hide each other, and are known for so long all the same (assumed)."""
+HOLD_S, HOLD_M = 0.08, 0.15
+"""A joint that was tracked is for so long without support, while it is found this near to its prediction (assumed)."""
 CROWN = 0.965
 """Height of the crown over stature, as pixels show it standing."""
 STATURE_M = (1.35, 2.10)
@@ -62,11 +64,8 @@ RISE_S, SINK_S, HIDDEN_SHARE = 0.3, 4.0, 0.93
 _TRUNK = np.zeros(len(JOINTS), dtype=bool)
 _TRUNK[[*posture.TRUNK, JOINT_INDEX["Head"]]] = True
 _SETTLE_S = np.where(_TRUNK, SETTLE_TRUNK_S, SETTLE_LIMB_S)
-_UPPER = ("SpineShoulder", "Neck", "Head", "Shoulder", "Elbow", "Wrist", "Hand", "Thumb")
-"""Joints that go with the upper trunk; it leans before the lower one walks."""
 _STEADY = np.zeros(len(JOINTS), dtype=bool)
 _STEADY[posture.TRUNK] = True
-_PART = np.array([int(name.startswith(_UPPER)) for name in JOINTS])
 HANDS = [[JOINT_INDEX[f"{name}{side}"] for name in ("Wrist", "Hand", "HandTip", "Thumb")] for side in ("Left", "Right")]
 """Wrists, hands, tips and thumbs, left and right."""
 FRESH = -1
@@ -77,22 +76,6 @@ _PLACE = [JOINT_INDEX["SpineBase"], JOINT_INDEX["SpineMid"]]
 def blend(interval_s: float, constant_s: float) -> float:
     """Share of the way to go in an interval."""
     return 1.0 - math.exp(-interval_s / constant_s)
-
-
-@njit(cache=True)
-def _common(found: Array, seen: posture.Seen, joints: Array, state: NDArray[np.int8]) -> Array:
-    """(2, 3) what the lower and the upper trunk go beyond their predictions; each as the other where it is hidden."""
-    moved, steady = np.zeros((2, 3)), np.zeros(2)
-    for j in posture.TRUNK:
-        if seen[j] and state[j] == TRACKED:
-            moved[_PART[j]] += found[j] - joints[j]
-            steady[_PART[j]] += 1.0
-    for part in range(2):
-        if steady[part] == 0.0:
-            moved[part], steady[part] = moved[1 - part], steady[1 - part]
-    for part in range(2):
-        moved[part] /= max(steady[part], 1.0)
-    return moved
 
 
 @njit(cache=True)
@@ -116,9 +99,13 @@ def _follow(
     for j in range(len(joints)):
         if math.isnan(joints[j, 0]):
             joints[j], state[j] = likely[j], FRESH
-    motions = _common(found, seen, joints, state)
+    moved, steady = np.zeros(3), 0
+    for j in posture.TRUNK:
+        if seen[j] and state[j] == TRACKED:
+            moved += found[j] - joints[j]
+            steady += 1
+    moved /= max(steady, 1)
     for j in range(len(joints)):
-        moved = motions[_PART[j]]
         before, after = joints[j], joints[j] + moved + shares[0] * (likely[j] - joints[j] - moved)
         if not seen[j]:
             carry[j] = 0.0
@@ -161,7 +148,7 @@ class Person:
         joints: (25, 3) last joints, NaN before the first.
         state: (25,) how they are known.
         carry: (25, 3) what is left of the way of joints that came back into sight.
-        clasped_s: (4,) for how long wrists, hands, tips and thumbs have not both been seen.
+        unseen_s: (25,) for how long joints have lacked support.
     """
 
     name: int
@@ -178,7 +165,7 @@ class Person:
     joints: Array = field(default_factory=lambda: np.full((len(JOINTS), 3), np.nan))
     state: NDArray[np.int8] = field(default_factory=lambda: np.zeros(len(JOINTS), np.int8))
     carry: Array = field(default_factory=lambda: np.zeros((len(JOINTS), 3)))
-    clasped_s: Array = field(default_factory=lambda: np.zeros(4))
+    unseen_s: Array = field(default_factory=lambda: np.zeros(len(JOINTS)))
 
     @property
     def confirmed(self) -> bool:
@@ -232,8 +219,10 @@ class Person:
         state = INFERRED if self.missing_s <= INFER_S else NOT_TRACKED
         self.state = np.where(np.isnan(self.joints[:, 0]), NOT_TRACKED, state).astype(np.int8)
 
-    def clasp(self, joints: Array, seen: posture.Seen, interval_s: float) -> None:
-        """Count hands that touch as seen for a while: each hides the other's surface, and neither goes far.
+    def hold(self, joints: Array, seen: posture.Seen, interval_s: float) -> None:
+        """Count joints as seen that lack support for a moment only, and hands that touch for longer.
+
+        Hands that touch hide each other's surface, and neither goes far.
 
         Args:
             joints: (25, 3) where votes agree.
@@ -241,13 +230,12 @@ class Person:
             interval_s: since the last frame.
         """
         left, right = HANDS
-        both = seen[left] & seen[right]
-        apart = joints[left] - joints[right]
+        off, apart = joints - self.joints, joints[left] - joints[right]
+        limit_s = np.full(len(seen), HOLD_S)
         near = (apart * apart).sum(axis=1) < TOUCH_M * TOUCH_M
-        held = near & (self.state[left] == TRACKED) & (self.state[right] == TRACKED) & (self.clasped_s < CLASP_S)
-        self.clasped_s = np.where(both, 0.0, self.clasped_s + interval_s)
-        seen[left] |= held
-        seen[right] |= held
+        limit_s[left] = limit_s[right] = np.where(near, CLASP_S, HOLD_S)
+        self.unseen_s = np.where(seen, 0.0, self.unseen_s + interval_s)
+        seen |= (self.state == TRACKED) & (self.unseen_s < limit_s) & ((off * off).sum(axis=1) < HOLD_M * HOLD_M)
 
     def see(self, joints: Array, seen: NDArray[np.bool_], weights: Array, mean: Array, interval_s: float) -> None:
         """Take in a frame's joints.
