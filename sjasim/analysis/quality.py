@@ -147,21 +147,32 @@ def robot_quality(
     timetable: Timetable,
 ) -> RobotQuality:
     """Judge the robot by its commands, its own events and its true pose at the end."""
-    orders = list({command.number: command for command in reversed(commands)}.values())
-    steps = timetable.choreography.steps()
-    executed = 0
-    for kind in Kind:
-        wanted = [order.t_start_s for order in orders if _robot_kind(steps[order.ordinal].kind) is kind]
-        times = [event.t_s for event in events if event.kind is kind]
-        middle = np.array(wanted) + EXECUTED_S / 2
-        executed += len(matched(middle, np.array(times), EXECUTED_S / 2)[0])
+    gaps = robot_gaps(commands, events, timetable)
+    executed = int(np.isfinite([gap for _, gap in gaps]).sum())
     distance, turned = float("nan"), float("nan")
     if odometry and len(odometry["t_s"]):
         slot = layout(config.layout, config.group, config.room, config.sensors).robot
         distance = float(np.hypot(odometry["true_x_m"][-1] - slot[0], odometry["true_y_m"][-1] - slot[1]))
         wanted_rad = timetable.heading_rad(timetable.last + 1)
         turned = float(np.remainder(odometry["true_heading_rad"][-1] - wanted_rad + np.pi, 2 * np.pi) - np.pi)
-    return RobotQuality(len(orders), _share(executed, len(orders)), distance, turned)
+    return RobotQuality(len(gaps), _share(executed, len(gaps)), distance, turned)
+
+
+def robot_gaps(
+    commands: Sequence[MoveCommand], events: Sequence[AgentEvent], timetable: Timetable
+) -> list[tuple[Kind, float]]:
+    """Of every command its kind and how long after it the robot's event came [s]; NaN if not within `EXECUTED_S`."""
+    orders = list({command.number: command for command in reversed(commands)}.values())
+    steps = timetable.choreography.steps()
+    gaps: list[tuple[Kind, float]] = []
+    for kind in Kind:
+        wanted = np.array([order.t_start_s for order in orders if _robot_kind(steps[order.ordinal].kind) is kind])
+        times = np.array([event.t_s for event in events if event.kind is kind])
+        delay = np.full(len(wanted), np.nan)
+        rows, columns = matched(wanted + EXECUTED_S / 2, times, EXECUTED_S / 2)
+        delay[rows] = times[columns] - wanted[rows]
+        gaps += [(kind, gap) for gap in delay.tolist()]
+    return gaps
 
 
 def body_quality(truth: Mapping[str, NDArray[np.generic]]) -> BodyQuality:

@@ -1,0 +1,188 @@
+"""``python -m sjasim.characterise``: the report card of detectors and robot, from several sessions."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from . import cli
+from .config import SessionConfig
+from .config_io import to_plain
+from .errors import ConfigError
+
+ABOUT = "How well starts, stops and claps are detected and the robot obeys, over several sessions."
+
+FILE, PAGE = "characterise.json", "characterise.md"
+
+
+@dataclass(frozen=True)
+class Options:
+    """Report card of detectors and robot.
+
+    Attributes:
+        session: what every session has in common; its seed is the first one's.
+        sessions: how many seeds, for each layout and sensing route.
+        layouts: where people stand.
+        sensings: where skeletons come from.
+        out: folder for characterise.json and a page to read; new or empty.
+        overwrite: replace earlier ones.
+        json: print characterise.json, and nothing else, on stdout.
+        config: TOML file of the sessions' fields; flags override it.
+    """
+
+    session: Annotated[SessionConfig, tyro.conf.arg(name="")]
+    sessions: int = 3
+    layouts: tuple[str, ...] = ("square", "rows")
+    sensings: tuple[str, ...] = ("joints", "depth")
+    out: Path | None = None
+    overwrite: bool = False
+    json: bool = False
+    config: Path | None = None
+
+    def designs(self) -> list[SessionConfig]:
+        """Every session that is danced.
+
+        Raises:
+            ConfigError: there would be none, or a value is not allowed.
+        """
+        if self.sessions < 1:
+            raise ConfigError("sessions", self.sessions, "at least 1")
+        for name, values in (("layouts", self.layouts), ("sensings", self.sensings)):
+            if not values or len(set(values)) < len(values):
+                raise ConfigError(name, values, "one or more different names")
+        seeds = range(self.session.seed, self.session.seed + self.sessions)
+        return [
+            replace(self.session, sensing=sensing, layout=layout, seed=seed)
+            for sensing, layout, seed in itertools.product(self.sensings, self.layouts, seeds)
+        ]
+
+
+def command(arguments: Sequence[str]) -> None:
+    """Parse, check, dance, judge, keep, show."""
+    options = cli.parse(Options, arguments, Options(cli.config_from(arguments)), "python -m sjasim.characterise", ABOUT)
+    designs = options.designs()
+    for design in designs:
+        check(design)
+    if options.out is not None:
+        check_target(options.out, overwrite=options.overwrite)
+    card = characterise(designs)
+    text = json.dumps(card, indent=1, allow_nan=False) + "\n"
+    if options.out is not None:
+        options.out.mkdir(parents=True, exist_ok=True)
+        (options.out / FILE).write_text(text, encoding="utf-8")
+        (options.out / PAGE).write_text(page(card), encoding="utf-8")
+        sys.stderr.write(f"kept in {options.out}\n")
+    sys.stdout.write(text if options.json else page(card))
+
+
+def check(design: SessionConfig) -> None:
+    """Find out before the first dance what would stop a later one.
+
+    Raises:
+        SjasimError: a name is unknown or the layout does not fit.
+    """
+    from .choreography.layout import layout
+    from .registry import resolve
+
+    resolve("sensing", design.sensing)
+    layout(design.layout, design.group, design.room, design.sensors)
+
+
+def check_target(folder: Path, *, overwrite: bool) -> None:
+    """Make sure that a folder can take the files.
+
+    Raises:
+        ConfigError: it is a file, or holds something that is not to be replaced.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise ConfigError("out", folder, "a folder")
+    if folder.exists() and any(folder.iterdir()) and not (overwrite and (folder / FILE).exists()):
+        raise ConfigError("out", folder, "a new or an empty folder; --overwrite replaces an earlier report card")
+
+
+def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:
+    """Dance sessions and make characterise.json's content."""
+    from .analysis import report_card
+    from .session import run_session, versions
+
+    found: list[report_card.Outcome] = []
+    done: list[report_card.Execution] = []
+    minutes = dict.fromkeys((design.sensing for design in designs), 0.0)
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
+    with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("dancing", total=float(len(designs)))
+        for index, design in enumerate(designs):
+            progress.update(task, description=f"{design.sensing}, {design.layout}, seed {design.seed}")
+
+            def report(share: float, begun: int = index) -> None:
+                progress.update(task, completed=begun + share)
+
+            log = run_session(design, report)
+            found += report_card.outcomes(log)
+            done += report_card.executions(log)
+            minutes[design.sensing] += design.group * log.cost["sim_s"] / 60.0
+    return {
+        "schema": 1,
+        "seed": designs[0].seed,
+        "sessions": [{"sensing": one.sensing, "layout": one.layout, "seed": one.seed} for one in designs],
+        "versions": versions(),
+        "config": to_plain(designs[0]),
+        "detector": report_card.detector_rows(found),
+        "robot": report_card.robot_rows(done),
+        "quantiles": list(report_card.QUANTILES),
+        "distributions": report_card.distributions(found, minutes),
+    }
+
+
+def page(card: Mapping[str, Any]) -> str:
+    """The report card for people, in Markdown."""
+    sensings = sorted({one["sensing"] for one in card["sessions"]})
+    layouts = ", ".join(sorted({one["layout"] for one in card["sessions"]}))
+    seeds = sorted({one["seed"] for one in card["sessions"]})
+    parts = [
+        "# Report card of the detectors and the robot",
+        f"{len(card['sessions'])} sessions: sensing {', '.join(sensings)}; layouts {layouts}; seeds "
+        f"{', '.join(map(str, seeds))}. Errors are logged minus true times; recall counts every event that happened, "
+        "hidden ones too.",
+    ]
+    for sensing in sensings:
+        rows = [row for row in card["detector"] if row["sensing"] == sensing]
+        parts += [f"## {sensing} sensing, regular events", _detectors([row for row in rows if not row["early"]])]
+        early = [row for row in rows if row["early"] and (row["row"], row["occlusion"]) == ("all", "all")]
+        parts += [f"## {sensing} sensing, early events", _detectors(early)]
+    if card["robot"]:
+        head = ("kind", "n", "delay_s", "jitter_s", "not_executed")
+        parts += ["## Robot: from command to event", _table(head, card["robot"])]
+    return "\n\n".join(parts) + "\n"
+
+
+def _detectors(rows: Sequence[Mapping[str, Any]]) -> str:
+    head = ("kind", "row", "occlusion", "n", "recall", "precision", "bias_s", "sd_s", "p95_s")
+    return _table(head, rows)
+
+
+def _table(head: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+    lines = [list(head), ["---"] * len(head), *([_cell(row[name]) for name in head] for row in rows)]
+    widths = [max(len(line[column]) for line in lines) for column in range(len(head))]
+    return "\n".join(
+        "| " + " | ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) + " |" for line in lines
+    )
+
+
+def _cell(value: object) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.3f}" if isinstance(value, float) else str(value)
+
+
+if __name__ == "__main__":
+    sys.exit(cli.main(command))
