@@ -146,13 +146,11 @@ def danced(name, seed):
 
 
 @pytest.mark.slow
-def test_the_sum_ranks_as_timing_appropriateness_and_synchrony_do():
-    names = ["oracle", "sia", "eca", "idle"]
-    found = {name: np.array([danced(name, seed) for seed in GROUPS]) for name in names}
-    total, ta_s, gsi = ({name: rows[:, column].mean() for name, rows in found.items()} for column in range(3))
-    assert sorted(names, key=lambda name: -total[name]) == names
-    assert sorted(names, key=lambda name: ta_s[name]) == names
-    assert sorted(names[:3], key=lambda name: -gsi[name]) == names[:3]
-    for best, *others in zip(*(found[name][:, 0] for name in names), strict=True):
-        assert best > max(others)
-        assert others[-1] == min(others)
+def test_the_sum_ranks_as_timing_appropriateness_does():
+    """Every group by itself: who is nearer to the dancers has the higher return; an oracle the highest, idle none."""
+    for seed in GROUPS:
+        rows = {name: danced(name, seed) for name in ("oracle", "sia", "eca", "idle")}
+        by_return = sorted(rows, key=lambda name: -rows[name][0])
+        assert by_return == sorted(rows, key=lambda name: rows[name][1])
+        assert (by_return[0], by_return[-1]) == ("oracle", "idle")
+        assert rows["oracle"][2] > max(rows[name][2] for name in ("sia", "eca"))
