@@ -8,18 +8,16 @@ from __future__ import annotations
 import math
 
 from ..registry import register
-from ..types import Move
-from .score import Choreography, ScoreMove
+from .phrases import clap_and_turn, to_and_fro
+from .score import Choreography
 
 
 @register("choreography", "waltz")
 def waltz() -> Choreography:
     """Four moves at three beats a bar; 33 beats an iteration, window closing after the turn at beat 28."""
-    bars = ((Move.FORWARD, 0.0), (Move.BACKWARD, 6.0), (Move.FORWARD, 12.0), (Move.BACKWARD, 18.0))
-    moves = tuple(ScoreMove(move, beat, 3.0) for move, beat in bars)
     return Choreography(
         name="waltz",
-        moves=(*moves, ScoreMove(Move.CLAP, 24.0, 0.0), ScoreMove(Move.TURN, 24.5, 3.5)),
+        moves=to_and_fro(3.0) + clap_and_turn(24.0),
         iteration_beats=33.0,
         close_beat=28.0,
         turn_rad=math.pi / 2,
