@@ -66,7 +66,7 @@ def show(name: str, row: dict[str, Any]) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(description="Figures of depth sensing.")
     parser.add_argument("--dances", type=int, default=4, help="per condition")
-    parser.add_argument("--seed", type=int, default=5000, help="of the first dance")
+    parser.add_argument("--seed", type=int, default=8600, help="of the first dance; 5000 and 6101 chose the model and its settings")
     parser.add_argument("--only", nargs="*", choices=[*CONDITIONS, "crossings"], help="some conditions")
     parser.add_argument("--json", action="store_true", help="JSON, and nothing else, on stdout")
     options = parser.parse_args()

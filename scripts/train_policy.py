@@ -60,7 +60,7 @@ class Options:
     seed: int = 0
     rollout: int = 512
     learning_rate: float = 1e-3
-    hold: float = 3.0
+    hold: float = 2.0
     checkpoint: int = 10
     resume: Path | None = None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -63,15 +64,22 @@ def command(arguments: Sequence[str]) -> None:
         sys.stderr.write(f"kept in {options.out}\n")
     if options.json:
         plain = {"schema": 1, "agents": fit.agents, "performances": fit.performances, "events": fit.events}
-        estimates = {name: asdict(item) for name, item in fit.estimates.items()}
-        sys.stdout.write(json.dumps({**plain, "log_likelihood": fit.log_likelihood, "estimates": estimates}) + "\n")
+        estimates = {name: _finite(asdict(item)) for name, item in fit.estimates.items()}
+        whole = {**plain, "log_likelihood": fit.log_likelihood, "estimates": estimates}
+        sys.stdout.write(json.dumps(whole, allow_nan=False) + "\n")
         return
     table = Table(title=f"{fit.events} events of {', '.join(fit.agents)} in {fit.performances} performances")
     for name in ("parameter", "fitted", "95 % interval"):
         table.add_column(name, justify="left" if name == "parameter" else "right")
     for name, item in fit.estimates.items():
-        table.add_row(name.replace("[", "\\["), f"{item.value:.4f}", f"{item.low:.4f} to {item.high:.4f}")
+        known = f"{item.low:.4f} to {item.high:.4f}" if math.isfinite(item.high - item.low) else "-"
+        table.add_row(name.replace("[", "\\["), f"{item.value:.4f}", known)
     Console().print(table)
+
+
+def _finite(plain: dict[str, float]) -> dict[str, float | None]:
+    """What JSON can hold; an end that is not known is null."""
+    return {name: value if math.isfinite(value) else None for name, value in plain.items()}
 
 
 if __name__ == "__main__":

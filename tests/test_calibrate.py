@@ -10,6 +10,7 @@ import pytest
 
 import sjasim
 from sjasim import calibrate, cli
+from sjasim.analysis.calibration import as_toml
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
 from sjasim.errors import ConfigError, PluginError, RecordError
@@ -59,6 +60,26 @@ def test_the_fit_as_json_and_in_python_are_one(table, capsys):
     assert told["schema"] == 1
     assert told["events"] == fit.events
     assert told["estimates"]["coupling"]["value"] == pytest.approx(fit.estimates["coupling"].value)
+
+
+def test_one_performance_has_a_lateness_without_an_interval(tmp_path, capsys):
+    rng = np.random.default_rng(5)
+    rows = [(0.6 * k + 0.02 * rng.normal(), who) for k in range(40) for who in "ab"]
+    lines = [f"s,1,{who},clap,{t_s:.4f}" for t_s, who in sorted(rows)]
+    path = tmp_path / "taps.csv"
+    path.write_text("\n".join(["session,iteration,agent,kind,t_s", *lines]) + "\n")
+    assert cli.main(calibrate.command, [str(path), "--time", "free", "--json"]) == 0
+    estimates = json.loads(capsys.readouterr().out)["estimates"]
+    assert estimates["late_s[1]"]["low"] is None
+    assert 0.0 < estimates["timekeeper_s"]["high"] < 0.05
+
+
+def test_names_with_quotes_make_a_file_too(table, tmp_path):
+    named = tmp_path / "named.csv"
+    named.write_text(table.read_text().replace("dancer_1", '"Ana ""the beat"""'))
+    out = tmp_path / "named.toml"
+    out.write_text(as_toml(sjasim.fit_timing(named, music=False)))
+    assert 'Ana "the beat"' in read_parameters(out).about
 
 
 def test_bad_input_is_one_line(table, tmp_path, capsys):

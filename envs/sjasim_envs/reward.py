@@ -38,6 +38,7 @@ class RewardConfig:
         collision: cost of every second in touch with a dancer.
         drift: cost of every second and metre outside its lane.
         lane_m: half the width of the lane, which is the way of a move ahead of the robot's slot.
+        worst_m: distance outside it beyond which a place does not cost more.
     """
 
     timing: float = 1.0
@@ -47,6 +48,7 @@ class RewardConfig:
     collision: float = 1.0
     drift: float = 0.2
     lane_m: float = 0.15
+    worst_m: float = 1.0
 
     @classmethod
     def of(cls, given: Mapping[str, float]) -> RewardConfig:
@@ -193,7 +195,7 @@ class Scorer:
         cos, sin = math.cos(heading), math.sin(heading)
         ahead, aside = x * cos + y * sin, y * cos - x * sin
         beyond = ahead - min(max(ahead, 0.0), session.config.room.move_m)
-        outside = math.hypot(beyond, aside) - config.lane_m
+        outside = min(math.hypot(beyond, aside) - config.lane_m, config.worst_m)
         if outside > 0.0:
             self.terms["drift"] -= config.drift * outside * interval_s
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
@@ -75,4 +76,4 @@ def as_toml(fit: TimingFit) -> str:
 def _toml(value: object) -> str:
     if isinstance(value, tuple):
         return f"[{', '.join(_toml(item) for item in value)}]"
-    return f"{value:.6g}" if isinstance(value, float) else f'"{value}"'
+    return f"{value:.6g}" if isinstance(value, float) else json.dumps(value, ensure_ascii=False)

@@ -18,6 +18,9 @@ from .timing_fit import FitError, Performances, mean_seen
 FARTHEST_S = 2.0
 """Beyond this median distance from the score a table's times are not on the dance's clock."""
 
+MOST_UNEVEN = 1.25
+"""In free time, people whose tempi differ by more than this factor have no events in common (assumed)."""
+
 Trials = dict[tuple[str, int], dict[str, list[TableEvent]]]
 """(session, iteration) -> agent -> events."""
 
@@ -34,7 +37,8 @@ def performances(events: Sequence[TableEvent], timetable: Timetable | None) -> P
         timetable: the dance, if its music was kept to; else None.
 
     Raises:
-        FitError: sessions have different numbers of dancers, or not 2 to 8, or times are off the dance's clock.
+        FitError: sessions have different numbers of dancers, or not 2 to 8, or times are off the dance's clock, or
+            in free time the dancers' tempi differ too much.
     """
     trials: Trials = defaultdict(lambda: defaultdict(list))
     for event in events:
@@ -139,11 +143,22 @@ def _free(trial: Mapping[str, Sequence[TableEvent]], cast: Sequence[str]) -> Arr
     return np.asarray(times - mean_seen(times, 1)[:, None])
 
 
+def _usual_gap(trial: Mapping[str, Sequence[TableEvent]], kind: Kind) -> float:
+    """Usual time between two events of a kind of one dancer [s]; it must be much the same for all of them."""
+    times = {agent: [event.t_s for event in own if event.kind is kind] for agent, own in trial.items()}
+    gaps = {agent: float(np.median(np.diff(own))) for agent, own in times.items() if len(own) > 1}
+    if not gaps:
+        return np.inf
+    slowest, fastest = max(gaps, key=lambda agent: gaps[agent]), min(gaps, key=lambda agent: gaps[agent])
+    if gaps[slowest] > MOST_UNEVEN * gaps[fastest]:
+        told = f"every {gaps[fastest]:.2f} s, {slowest}'s every {gaps[slowest]:.2f} s"
+        raise FitError(f"{fastest}'s {kind} comes {told}: they do not go together one to one, and are not fitted")
+    return float(np.median(list(gaps.values())))
+
+
 def _clusters(trial: Mapping[str, Sequence[TableEvent]], cast: Sequence[str], kind: Kind) -> list[Array]:
     events = sorted((event for own in trial.values() for event in own if event.kind is kind), key=lambda e: e.t_s)
-    gaps = [np.diff([event.t_s for event in own if event.kind is kind]) for own in trial.values()]
-    every = np.concatenate(gaps) if gaps else np.zeros(0)
-    window = 0.5 * float(np.median(every)) if len(every) else np.inf
+    window = 0.5 * _usual_gap(trial, kind)
     out: list[Array] = []
     first_s = -np.inf
     for event in events:

@@ -5,7 +5,8 @@ dancers share is common. With a timetable the common shift is an AR(1) process a
 each event's common time is left open, and only what divides the dancers counts. The order rule of
 `humans.timing` (no move and no hold shorter than people can make it) is not in the likelihood; it touches one move in
 seventy of the paper's presets. Corrections towards the music or the robot, drifting tempi and the robot's influence on
-people's noise are not fitted: they would be taken for common shift and for spread from iteration to iteration.
+people's noise are not fitted: they would be taken for common shift and for spread from iteration to iteration. Persons
+who differ in noise from session to session show as spread of their groups.
 
 Source: jacoby2015 (the estimation problem, and that noise variances and gains trade off against each other).
 """

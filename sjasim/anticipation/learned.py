@@ -93,13 +93,14 @@ class Network:
 
 
 LEEWAY_BEATS = 3.0
-"""So far from a step's beat its move is taken to mean it; people are rarely so far off (assumed)."""
+"""So long before a step's beat its move may mean it; people are rarely so early (assumed)."""
 
 
 class Steps:
     """What a wanted move means in the score: the step of that move whose beat is nearest, each sent once and in order.
 
-    The environment lets a policy do anything at any time; this does not. In the rehearsal it stands still.
+    The environment lets a policy do anything at any time; this does not. A step may be late, so that a move which has
+    begun can always be stopped, but not earlier than `LEEWAY_BEATS`. In the rehearsal it stands still.
 
     Args:
         brief: the dance.
@@ -125,13 +126,13 @@ class Steps:
         if iteration == 0 or wanted == self.move:
             return None
         beat = self._brief.beat(iteration, t_s)
-        near = [(abs(own - beat), ordinal) for own, ordinal in self._beats[wanted]]
+        near = [
+            (abs(own - beat), ordinal) for own, ordinal in self._beats[wanted]
+            if own <= beat + LEEWAY_BEATS and (iteration, ordinal) > self._last
+        ]  # fmt: skip
         if not near:
             return None
-        off, ordinal = min(near)
-        if off > LEEWAY_BEATS or (iteration, ordinal) <= self._last:
-            return None
-        self._last = (iteration, ordinal)
+        self._last = (iteration, min(near)[1])
         self.move = wanted
         return self._last
 

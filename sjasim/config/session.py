@@ -23,7 +23,8 @@ class SessionConfig:
 
     Attributes:
         method: anticipation method: a registered name, module:Class, or ``none`` for humans only.
-        humans: preset of the human timing model.
+        humans: who dances: a preset of the human timing model, FILE.toml with own parameters, ``replay:FILE`` of an
+            event table or a session's folder, or module:Class.
         fidelity: ``physics``.
         sensing: where skeletons come from: ``joints`` (the truth with errors) or ``depth`` (depth images).
         iterations: how many iterations are danced after the rehearsal.

@@ -10,14 +10,16 @@ from ..choreography.score import Timetable
 from ..errors import ConfigError, RecordError
 from ..logs import Notice, TableEvent, natural_order
 from ..types import ROBOT, Array, Cue, Kind, Move, dancer_name
+from .motion import SHORTEST_TURN_S
 from .timing import SHORTEST_HOLD_S, SHORTEST_MOVE_S, SOONEST_S, TURN_AFTER_CLAP_S, Seen
 
 LONGEST_MOVE_S = 6.0
 """A longer move would lead out of the room (assumed)."""
-SHORTEST_TURN_S = 1.0
-"""Nobody turns faster."""
 _STARTS = {Kind.START_FORWARD: Move.FORWARD, Kind.START_BACKWARD: Move.BACKWARD}
 _STOPS = {Kind.STOP_FORWARD: Move.FORWARD, Kind.STOP_BACKWARD: Move.BACKWARD}
+
+Own = Mapping[tuple[int, int], Sequence[TableEvent]]
+"""(dancer, iteration) -> events, in order of time."""
 
 
 class Replay:
@@ -54,7 +56,7 @@ class Replay:
         self._cues = {key: self._perform(key[0], key[1], found) for key, found in sorted(own.items())}
         self._waiting: int | None = None
         self._dancers = dancers
-        self._turn(own)
+        self._turns(own)
 
     @property
     def next_due_s(self) -> float:
@@ -147,29 +149,35 @@ class Replay:
             raise self._wrong(event, f"not in the dance {self._timetable.choreography.name!r}")
         return min(gaps, key=lambda index: gaps[index])
 
-    def _turn(self, own: Mapping[tuple[int, int], Sequence[TableEvent]]) -> None:
-        """Let everybody turn in every iteration: where the table says so, after the clap, or with the music."""
+    def _turns(self, own: Own) -> None:
+        """Let everybody turn in every iteration, once it is known when they begin the next one."""
         table = self._timetable
-        turns = [(index, item) for index, item in enumerate(table.choreography.moves) if item.move is Move.TURN]
-        for index, item in turns:
+        for index, item in enumerate(table.choreography.moves):
+            if item.move is not Move.TURN:
+                continue
             for dancer in range(self._dancers):
                 for iteration in range(table.first, table.last + 1):
-                    cues = self._cues.setdefault((dancer, iteration), [])
-                    at = [e for e in own.get((dancer, iteration), ()) if e.kind is Kind.TURN]
-                    after = self._cues.get((dancer, iteration + 1), ())
-                    next_s = after[0].t_s if after else math.inf
-                    begin = table.time_s(iteration, item.beat)
-                    length = table.time_s(iteration, item.beat + item.beats) - begin
-                    free_s = cues[-1].t_s + cues[-1].duration_s if cues else -math.inf
-                    if cues and cues[-1].move is Move.CLAP:
-                        begin = cues[-1].t_s + TURN_AFTER_CLAP_S
-                    t_s = at[0].t_s if at else max(begin, free_s + SHORTEST_HOLD_S)
-                    duration_s = min(length, next_s - SHORTEST_HOLD_S - t_s)
-                    if t_s < free_s or duration_s < SHORTEST_TURN_S:
-                        event = at[0] if at else own[dancer, iteration if t_s < free_s else iteration + 1][0]
-                        raise self._wrong(event, f"no time for the turn of {SHORTEST_TURN_S:g} s before or after it")
-                    first = table.choreography.first_ordinal(index)
-                    cues.append(Cue(dancer_name(dancer), Move.TURN, iteration, first, item.beat, t_s, duration_s))
+                    self._cues.setdefault((dancer, iteration), [])
+                    self._turn(index, dancer, iteration, own)
+
+    def _turn(self, index: int, dancer: int, iteration: int, own: Own) -> None:
+        """Add a turn: where the table says so, else after the clap, else with the music."""
+        table, cues = self._timetable, self._cues[dancer, iteration]
+        item = table.choreography.moves[index]
+        said = [event for event in own.get((dancer, iteration), ()) if event.kind is Kind.TURN]
+        after = self._cues.get((dancer, iteration + 1), ())
+        begin_s = table.time_s(iteration, item.beat)
+        length = table.time_s(iteration, item.beat + item.beats) - begin_s
+        free_s = cues[-1].t_s + cues[-1].duration_s if cues else -math.inf
+        if cues and cues[-1].move is Move.CLAP:
+            begin_s = cues[-1].t_s + TURN_AFTER_CLAP_S
+        t_s = said[0].t_s if said else max(begin_s, free_s + SHORTEST_HOLD_S)
+        duration_s = min(length, (after[0].t_s if after else math.inf) - SHORTEST_HOLD_S - t_s)
+        if t_s < free_s or duration_s < SHORTEST_TURN_S:
+            event = said[0] if said else own[dancer, iteration + 1][0]
+            raise self._wrong(event, f"there is no time for a turn of {SHORTEST_TURN_S:g} s beside it")
+        ordinal = table.choreography.first_ordinal(index)
+        cues.append(Cue(dancer_name(dancer), Move.TURN, iteration, ordinal, item.beat, t_s, duration_s))
 
 
 def _pairs(events: Sequence[TableEvent]) -> list[tuple[TableEvent | None, TableEvent | None]]:

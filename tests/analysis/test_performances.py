@@ -68,6 +68,12 @@ def test_in_free_time_neighbours_belong_together():
     assert np.delete(gap, 7) == pytest.approx(0.02)
 
 
+def test_people_of_different_tempi_have_nothing_in_common():
+    taps = [event("a", 0.5 * k) for k in range(30)] + [event("b", 0.7 * k) for k in range(20)]
+    with pytest.raises(FitError, match=r"a's clap comes every 0.50 s, b's every 0.70 s: .* one to one"):
+        performances(sorted(taps, key=lambda one: one.t_s), None)
+
+
 def test_tables_are_joined_as_sessions():
     one, two = (performances(dance(("a", "b"), (0.0, 0.1), k), TABLE) for k in (1, 2))
     both = joined([one, two])

@@ -125,6 +125,12 @@ class TestSteps:
         assert steps.take(self.at(STEPS[-1].beat - 1.01 * LEEWAY_BEATS), turn) is None
         assert steps.take(self.at(STEPS[-1].beat - 0.99 * LEEWAY_BEATS), turn) == (1, len(STEPS) - 1)
 
+    def test_a_move_can_be_stopped_however_late(self):
+        steps = Steps(PLAN)
+        assert steps.take(self.at(0.0), MOVES.index("forward")) == (1, 0)
+        assert steps.take(self.at(8.4), MOVES.index("stop")) == (1, 1)
+        assert steps.take(self.at(8.6), MOVES.index("backward")) == (1, 2)
+
     def test_nothing_is_sent_in_the_rehearsal(self):
         assert Steps(PLAN).take(self.at(0.0, 0), MOVES.index("forward")) is None
 

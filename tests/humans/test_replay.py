@@ -151,3 +151,14 @@ def test_a_group_of_another_size_is_refused():
         Replay(score(agents=("p1", "p2")), "events.csv", TABLE, 3)
     with pytest.raises(ConfigError, match="nobody"):
         Replay([], "events.csv", TABLE, 3)
+
+
+def test_a_turn_without_time_is_named():
+    rows = score()
+    clap = 9 + 8
+    late = at(rows, clap, TABLE.time_s(2, 0) - 1.0)
+    with pytest.raises(RecordError, match=r"line 20: .*start_forward.*no time for a turn of 1 s"):
+        Replay(late, "events.csv", TABLE, 1)
+    early = TableEvent("s", 1, "dancer_1", Kind.TURN, TABLE.time_s(1, 27), False, 77)
+    with pytest.raises(RecordError, match=r"line 77: .*turn.*no time"):
+        Replay([*rows, early], "events.csv", TABLE, 1)
