@@ -30,6 +30,8 @@ from .types import Array, BoolArray, DancerStates, Geoms, IntArray, JointTargets
 
 _FLOOR = (0.74, 0.72, 0.69), (0.66, 0.64, 0.61)
 _SKY = (0.80, 0.86, 0.92), (0.97, 0.97, 0.96)
+LYING_ARMATURE, LYING_DAMPING = 0.5, 20.0
+"""Inertia [kg m^2] and damping [Nm s/rad] about a lying body's three axes, two of which may be one (assumed)."""
 _LOGGED = [JOINT_INDEX[name] for name in ("AnkleLeft", "AnkleRight", "HandLeft", "HandRight")]
 
 
@@ -172,7 +174,7 @@ class Stage:
         self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
         self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
         self._form, self._size = m.geom_type[self._solid].astype(np.int64), m.geom_size[self._solid]
-        self._solid_owner = owner[self._solid]
+        self._owner, self._solid_owner = owner, owner[self._solid]
         self._hiding = np.column_stack([self._solid, self._solid_owner, self._form])
         self._hiding_size = np.column_stack([self._size, m.geom_rbound[self._solid]])
         if self.has_robot:
@@ -316,11 +318,25 @@ class Stage:
         first, second = self.data.contact.geom.T
         return bool(((self._shell[first] & self._flesh[second]) | (self._flesh[first] & self._shell[second])).any())
 
+    def impact_n(self) -> float:
+        """How hard the robot and dancers press on each other at this moment: the sum of their contacts' forces [N]."""
+        contact = self.data.contact
+        first, second = contact.geom.T
+        touch = (self._shell[first] & self._flesh[second]) | (self._flesh[first] & self._shell[second])
+        starts = contact.efc_address[touch & (contact.efc_address >= 0)]
+        return float(sum(self.data.efc_force[start : start + 4].sum() for start in starts))
+
     def let_go(self, dancer: int) -> None:
-        """A fallen dancer's muscles and tether go limp."""
+        """A fallen dancer's muscles and tether go limp, and all of the body meets the floor."""
+        m = self.model
         limp = np.concatenate([self._servo[dancer], *self._tether[dancer : dancer + 1]])
-        self.model.actuator_gainprm[limp] = 0.0
-        self.model.actuator_biasprm[limp, :2] = 0.0
+        m.actuator_gainprm[limp] = 0.0
+        m.actuator_biasprm[limp, :2] = 0.0
+        flesh = np.flatnonzero(self._owner == dancer)
+        m.geom_conaffinity[flesh] |= FLOOR_BIT
+        m.body_conaffinity[m.geom_bodyid[flesh]] |= FLOOR_BIT
+        turns = self._where[dancer, 10:13]  # of one who lies on the face, yaw and roll are the same
+        m.dof_armature[turns], m.dof_damping[turns] = LYING_ARMATURE, LYING_DAMPING
 
     def push(self, dancer: int, force: Array) -> None:
         """Pull at a dancer's trunk with a force (3,) until told otherwise [N]."""

@@ -111,6 +111,7 @@ class PhysicsWorld:
         robot: whether there is one.
 
     Attributes:
+        reference: what the dancers plan to do.
         active: the sensor whose skeletons are recorded; whoever knows which client counts says so.
         sensing: what sees for each sensor, by its name.
         watchers: called with the session time at every frame tick; they look and change nothing.
@@ -140,7 +141,7 @@ class PhysicsWorld:
         rate = config.stage.balance_hz
         builds = [_person(config, index) for index in range(config.group)]
         self._anatomies = [body_model(config.body.model).anatomy(build) for build in builds]
-        reference = Reference.empty(config.group, math.ceil((self.end_s + 1.0) * rate) + 1)
+        self.reference = reference = Reference.empty(config.group, math.ceil((self.end_s + 1.0) * rate) + 1)
         turn = timetable.choreography.turn_rad
         self._planners = [
             Planner(body, layout.dancers[index], heading, config.room.move_m, turn, rate, reference.of(index))

@@ -103,13 +103,16 @@ def _robot_slot():
 
 
 def test_who_is_let_go_falls_and_the_others_stand():
-    dancing = floor(2)
+    dancing = floor(2, 8.0)
     dancing.run(0.5)
     dancing.stage.let_go(0)
     dancing.run(2.5)
     heights = [dancing.stage.height_m(k) / body.standing_m for k, body in enumerate(dancing.bodies)]
     assert heights[0] < 0.65
     assert heights[1] > 0.95
+    dancing.run(3.0)
+    assert 0.0 < dancing.stage.height_m(0) < 0.45  # on the floor, not below it
+    assert np.abs(dancing.stage.data.qvel).max() < 3.0
 
 
 def test_a_push_moves_a_dancer_and_ends():

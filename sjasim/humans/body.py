@@ -44,6 +44,8 @@ DAMPING = 0.6
 SKIN, SHOES = (0.80, 0.60, 0.47), (0.16, 0.16, 0.18)
 TROUSERS = 0.55
 """Brightness of the trousers, as a share of the shirt's."""
+SOLE_SOLREF, SOLE_SOLIMP = (0.014, 1.0), (0.95, 0.99)
+"""As hard a sole as 150 steps a second bear: a softer one lets standing feet creep (assumed)."""
 FORMS = {
     "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
     "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
@@ -189,6 +191,7 @@ def _shape(body: mujoco.MjsBody, shape: Shape, index: int, group: int) -> None:
     elif shape.role == "sole":
         geom.contype, geom.conaffinity, geom.group = 0, FLOOR_BIT, 3
         geom.friction = [1.0, 0.005, 0.0001]
+        geom.solref[:2], geom.solimp[:2] = SOLE_SOLREF, SOLE_SOLIMP
 
 
 def _colour(shape: Shape, index: int) -> tuple[float, ...]:

@@ -13,9 +13,16 @@ NEAR_RATIO = 1.0
 """Hands nearer than this may clap: early starts are disarmed until ``clap_rest_s`` after it, also when the clap
 itself stayed hidden; and tracked hands that come so near have been seen to close (assumed)."""
 
+TOUCHING_RATIO, STILL_RATIO = 0.3, 0.03
+"""Hands nearer than the first may touch; from frame to frame their ratio is uncertain by less than the second: some
+half a centimetre per hand (assumed)."""
+
 
 class ClapDetector:
     """Claps of one person: local minima of a ratio, which is small where hands meet, below ``clap_ratio``.
+
+    Hands that touch stay together for a while; which of the small numbers of that while is the least is chance. Below
+    `TOUCHING_RATIO` the minimum is where the ratio falls by less than `STILL_RATIO` between frames.
 
     The event comes with the frame after the minimum. Hands must have been apart (above `APART_RATIO`) since the last
     clap, which must be ``clap_rest_s`` ago: hands held together clap once. Touching hands hide each other, so they
@@ -63,7 +70,7 @@ class ClapDetector:
         found = (
             self._apart
             and self._near
-            and self._before >= least < ratio
+            and self._before >= least < ratio + (STILL_RATIO if least < TOUCHING_RATIO else 0.0)
             and least < self._c.clap_ratio
             and t_s - self._t_clap_s >= self._c.clap_rest_s
         )

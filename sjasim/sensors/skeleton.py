@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assets.names import JOINT_INDEX, JOINTS
+from ..assets.names import JOINTS
 from ..errors import SjasimError
 from ..types import NOT_TRACKED, Array, Skeletons
 from . import posture, segmentation, tracking
@@ -31,11 +31,6 @@ STRANGER_M2 = 0.04
 """The same at the height of the trunk for somebody new (assumed)."""
 OBJECT_M2 = 0.01
 """The same for a low object (assumed)."""
-TOUCH_M = 0.16
-"""Hands closer than this may hide each other's surface (assumed)."""
-_LEFT, _RIGHT = (
-    [JOINT_INDEX[f"{name}{side}"] for name in ("Wrist", "Hand", "HandTip", "Thumb")] for side in ("Left", "Right")
-)
 LONGEST_S = 1.0
 """A longer gap between frames counts as this long."""
 
@@ -63,10 +58,11 @@ def shares(counts: Array, wanted: int) -> Array:
 
 def _join_hands(joints: Array, support: Array) -> None:
     """Hands that touch show each only half of their surface: where one is seen, so is the other."""
-    left, right = support[:, _LEFT], support[:, _RIGHT]
-    apart = np.linalg.norm(joints[:, _LEFT] - joints[:, _RIGHT], axis=2)
-    shared = np.where(apart < TOUCH_M, np.maximum(left, right), 0.0)
-    support[:, _LEFT], support[:, _RIGHT] = np.maximum(left, shared), np.maximum(right, shared)
+    one, other = tracking.HANDS
+    left, right = support[:, one], support[:, other]
+    apart = np.linalg.norm(joints[:, one] - joints[:, other], axis=2)
+    shared = np.where(apart < tracking.TOUCH_M, np.maximum(left, right), 0.0)
+    support[:, one], support[:, other] = np.maximum(left, shared), np.maximum(right, shared)
 
 
 class SkeletonEstimator:
@@ -177,6 +173,7 @@ class SkeletonEstimator:
                 person.lose(interval_s)
                 continue
             seen = (support[k] > self._model.support) & np.isfinite(joints[k, :, 0])
+            person.hold(joints[k], seen, interval_s)
             person.see(joints[k], seen, self._model.posture, self._model.mean, interval_s)
 
     def _skeletons(self) -> Skeletons:

@@ -50,6 +50,10 @@ COMMON_S = 0.08
 OWN_MOTION_S, SPIN_S, SPIN_RAD_S = 0.40, 0.15, 0.4
 """Time constant with which a joint of the trunk leaves the motion that all of the trunk has in common, which shakes
 less than each: shorter the faster the person turns, by a rate smoothed with the second (assumed)."""
+TOUCH_M, CLASP_S = 0.16, 0.4
+"""Hands that were seen closer than this hide each other, and are known for so long all the same (assumed)."""
+HOLD_S, HOLD_M = 0.08, 0.15
+"""A joint that was tracked is for so long without support, while it is found this near to its prediction (assumed)."""
 CROWN = 0.965
 """Height of the crown over stature, as pixels show it standing."""
 STATURE_M = (1.35, 2.10)
@@ -62,6 +66,8 @@ _TRUNK[[*posture.TRUNK, JOINT_INDEX["Head"]]] = True
 _SETTLE_S = np.where(_TRUNK, SETTLE_TRUNK_S, SETTLE_LIMB_S)
 _STEADY = np.zeros(len(JOINTS), dtype=bool)
 _STEADY[posture.TRUNK] = True
+HANDS = [[JOINT_INDEX[f"{name}{side}"] for name in ("Wrist", "Hand", "HandTip", "Thumb")] for side in ("Left", "Right")]
+"""Wrists, hands, tips and thumbs, left and right."""
 FRESH = -1
 """State of a joint that has just become known."""
 _PLACE = [JOINT_INDEX["SpineBase"], JOINT_INDEX["SpineMid"]]
@@ -90,10 +96,10 @@ def _follow(
         state: (25,) of the last frame, and afterwards of this one.
         carry: (25, 3) what is left of such ways.
     """
-    moved, steady = np.zeros(3), 0
     for j in range(len(joints)):
         if math.isnan(joints[j, 0]):
             joints[j], state[j] = likely[j], FRESH
+    moved, steady = np.zeros(3), 0
     for j in posture.TRUNK:
         if seen[j] and state[j] == TRACKED:
             moved += found[j] - joints[j]
@@ -142,6 +148,7 @@ class Person:
         joints: (25, 3) last joints, NaN before the first.
         state: (25,) how they are known.
         carry: (25, 3) what is left of the way of joints that came back into sight.
+        unseen_s: (25,) for how long joints have lacked support.
     """
 
     name: int
@@ -158,6 +165,7 @@ class Person:
     joints: Array = field(default_factory=lambda: np.full((len(JOINTS), 3), np.nan))
     state: NDArray[np.int8] = field(default_factory=lambda: np.zeros(len(JOINTS), np.int8))
     carry: Array = field(default_factory=lambda: np.zeros((len(JOINTS), 3)))
+    unseen_s: Array = field(default_factory=lambda: np.zeros(len(JOINTS)))
 
     @property
     def confirmed(self) -> bool:
@@ -210,6 +218,24 @@ class Person:
         self.carry[:] = 0.0
         state = INFERRED if self.missing_s <= INFER_S else NOT_TRACKED
         self.state = np.where(np.isnan(self.joints[:, 0]), NOT_TRACKED, state).astype(np.int8)
+
+    def hold(self, joints: Array, seen: posture.Seen, interval_s: float) -> None:
+        """Count joints as seen that lack support for a moment only, and hands that touch for longer.
+
+        Hands that touch hide each other's surface, and neither goes far.
+
+        Args:
+            joints: (25, 3) where votes agree.
+            seen: (25,) which of them are supported; changed in place.
+            interval_s: since the last frame.
+        """
+        left, right = HANDS
+        off, apart = joints - self.joints, joints[left] - joints[right]
+        limit_s = np.full(len(seen), HOLD_S)
+        near = (apart * apart).sum(axis=1) < TOUCH_M * TOUCH_M
+        limit_s[left] = limit_s[right] = np.where(near, CLASP_S, HOLD_S)
+        self.unseen_s = np.where(seen, 0.0, self.unseen_s + interval_s)
+        seen |= (self.state == TRACKED) & (self.unseen_s < limit_s) & ((off * off).sum(axis=1) < HOLD_M * HOLD_M)
 
     def see(self, joints: Array, seen: NDArray[np.bool_], weights: Array, mean: Array, interval_s: float) -> None:
         """Take in a frame's joints.

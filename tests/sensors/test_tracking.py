@@ -134,3 +134,20 @@ def test_the_forest_rights_a_yaw_that_has_gone_astray():
     assert abs(tracking.wrapped(one.yaw_rad - 3.0)) < 0.6
     one.turn(np.zeros(3), DT_S)
     assert not math.isnan(one.yaw_rad)
+
+
+def test_hands_that_touch_stay_known_for_a_while_and_hands_apart_do_not():
+    left, right = tracking.HANDS
+    for gap_m, held in ((0.06, True), (0.40, False)):
+        one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
+        joints[right] = joints[left] + [gap_m, 0.0, 0.0]
+        step(one, joints)
+        for _ in range(6):
+            step(one, joints)
+        seen[[*left, *right]] = False
+        for tick in range(20):
+            counted = seen.copy()
+            one.hold(joints, counted, DT_S)
+            step(one, joints, counted)
+            known = (tick + 1) * DT_S - 1e-9 < (tracking.CLASP_S if held else tracking.HOLD_S)
+            assert counted[left].all() == counted[right].all() == known

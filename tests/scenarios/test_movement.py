@@ -1,0 +1,48 @@
+"""What dancers of any build withstand: whole dances, a push, a robot; with the tether and without it."""
+
+import dataclasses
+import math
+
+import pytest
+
+from sjasim.config import DanceConfig
+from sjasim.movement import FULL_RANGE, collision, dance, figures, pushed
+
+DANCE = DanceConfig(rehearsal=False)
+
+
+@pytest.mark.parametrize("side", [0.0, math.pi / 2, math.pi, -math.pi / 2], ids=["front", "left", "back", "right"])
+def test_a_robot_that_drives_into_a_dancer_is_stopped_and_the_dancer_sways(side):
+    hit = collision(9601, side)
+    assert 50.0 < hit.peak_n < 300.0
+    assert hit.falls == 0
+    assert hit.speed_m_s < 0.05
+    assert 0.0005 < hit.sway_m < 0.05
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("walking", [False, True], ids=["standing", "walking"])
+def test_a_push_of_20_newton_seconds_fells_nobody(walking):
+    assert sum(pushed(seed, 20.0, walking=walking) for seed in range(9601, 9605)) == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["paper", "march", "waltz"])
+def test_a_dance_by_unknown_people_is_on_its_feet_and_on_time(name):
+    found = figures([dance(9611, iterations=2, dance=dataclasses.replace(DANCE, name=name))])
+    assert found["falls"] == found["crossings_missing"] == found["claps_missing"] == 0
+    assert found["pelvis_error_mean_mm"] <= 25
+    assert found["tether_rms_n"] <= 20
+    assert found["feet_load_share"] >= 0.99
+    assert abs(found["crossing_bias_ms"]) <= 10
+    assert found["crossing_p95_ms"] <= 33
+    assert found["rise_p95_s"] <= 0.35
+    assert found["slip_median_mm"] <= 5
+    assert name == "march" or found["clap_p95_ms"] <= 20
+
+
+@pytest.mark.slow
+def test_dancers_who_balance_alone_finish_a_dance():
+    alone = figures([dance(9621, body=dataclasses.replace(FULL_RANGE, tether="none"))])
+    assert alone["falls"] == 0
+    assert alone["tether_rms_n"] == 0.0
