@@ -23,10 +23,11 @@ class SensorConfig:
         max_range_m: farthest tracked person.
         frame_loss: probability that a frame is never delivered.
         width_px: columns of a depth image: 512 (512 x 424) or 256 (256 x 212).
-        bias_m: standard deviation of a joint's constant error, per axis (measured on depth skeletons).
+        bias_m: standard deviation of a joint's constant error, per axis. This and the next four are fitted to what
+            ``depth`` sensing gets wrong, by ``scripts/fit_joint_errors.py`` (seeds 8100 to 8105).
         drift_m: standard deviation of the slowly varying error of a tracked joint, per axis.
-        drift_correlation: correlation of that error between frames; with ``drift_m`` gives .14 cm from frame to frame.
-        hidden_factor: how much larger both errors are where the joint is inferred (measured: torso 2, hands 8).
+        drift_correlation: correlation of that error between frames; with ``drift_m`` gives .06 cm from frame to frame.
+        hidden_factor: how much larger both errors are where the joint is inferred.
         hidden_factor_hand: the same for elbows, wrists and hands.
     """
 
@@ -39,11 +40,11 @@ class SensorConfig:
     max_range_m: float = 4.5
     frame_loss: float = 0.0
     width_px: int = 256
-    bias_m: float = 0.008
-    drift_m: float = 0.010
-    drift_correlation: float = 0.99
-    hidden_factor: float = 2.0
-    hidden_factor_hand: float = 8.0
+    bias_m: float = 0.011
+    drift_m: float = 0.005
+    drift_correlation: float = 0.993
+    hidden_factor: float = 2.3
+    hidden_factor_hand: float = 11.0
 
     def __post_init__(self) -> None:
         within("sensors.rate_hz", self.rate_hz, 5, 120)

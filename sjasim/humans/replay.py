@@ -13,6 +13,8 @@ from ..types import ROBOT, Array, Cue, Kind, Move, dancer_name
 from .motion import SHORTEST_TURN_S
 from .timing import SHORTEST_HOLD_S, SHORTEST_MOVE_S, SOONEST_S, TURN_AFTER_CLAP_S, Seen
 
+FRAME_S = 1 / 30
+"""Detected times are only as fine as a camera's frames: a move or hold shorter by so much is made long enough."""
 LONGEST_MOVE_S = 6.0
 """A longer move would lead out of the room (assumed)."""
 _STARTS = {Kind.START_FORWARD: Move.FORWARD, Kind.START_BACKWARD: Move.BACKWARD}
@@ -26,8 +28,9 @@ class Replay:
     """A human timing model that performs recorded event times; nothing about it is random, and nobody sees the robot.
 
     Times are on the session's clock. A start without its stop, or a stop without its start, as detectors leave them,
-    is completed to the score's length of the move, within what lies around it; everything else is performed as it
-    stands or refused. Early events only announce regular ones, and the robot dances by itself: both are left aside.
+    is completed to the score's length of the move, within what lies around it. A move or hold that a camera's frame
+    makes too short is as long as it must be; everything else is performed as it stands or refused. Early events only
+    announce regular ones, and the robot dances by itself: both are left aside.
 
     Args:
         events: rows of one session, each agent's in order of time.
@@ -111,8 +114,9 @@ class Replay:
                 what = f"{self._source}, line {event.line}: {event.kind} has no partner; the score's length is taken"
                 self.notices.append(Notice(event.t_s, name, what))
             t_s, duration_s = self._span(start, stop, length, free_s, _after(events, event))
-            if t_s < free_s:
+            if t_s < free_s - FRAME_S:
                 raise self._wrong(event, f"{free_s:.2f} s at the earliest, {SHORTEST_HOLD_S:g} s after the last move")
+            t_s = max(t_s, free_s)
             cues.append(Cue(name, move, iteration, ordinal, item.beat, t_s, duration_s))
             free_s = t_s + duration_s + SHORTEST_HOLD_S
         return cues
@@ -131,7 +135,9 @@ class Replay:
             t_s = start.t_s
             event, end_s = (stop, stop.t_s) if stop else (start, min(t_s + length, next_s - SHORTEST_HOLD_S))
             duration_s = end_s - t_s
-        if not SHORTEST_MOVE_S - 1e-9 <= duration_s <= LONGEST_MOVE_S:
+        if duration_s >= SHORTEST_MOVE_S - FRAME_S:
+            duration_s = max(duration_s, SHORTEST_MOVE_S)
+        if not SHORTEST_MOVE_S <= duration_s <= LONGEST_MOVE_S:
             allowed = f"a move takes from {SHORTEST_MOVE_S:g} to {LONGEST_MOVE_S:g} s, not {duration_s:.2f} s"
             raise self._wrong(event, allowed)
         return t_s, duration_s

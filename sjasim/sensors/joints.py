@@ -22,10 +22,10 @@ FLESH_M = np.where([name.startswith(_LIMBS) for name in JOINTS], 0.13, 0.20)
 """(25,) A ray that first meets the joint's own dancer so close before the joint counts as reaching it: a trunk is that
 thick, also seen from the side; a limb is not, and farther behind other flesh it is hidden by it (assumed)."""
 
-TORSO_BLEND_S = 0.5
+TORSO_BLEND_S = 0.75
 """Time constant with which an error grows or shrinks when a joint is hidden or seen again (assumed).
 
-A hidden torso joint is off by some 1 cm more than a visible one; spread over half a second that is 3 cm/s, far
+A hidden torso joint is off by some 1.5 cm more than a visible one; spread over .75 s that is 2 cm/s, 5 at most, far
 below the .20 m/s of a move and the .15 m/s of an early event.
 """
 

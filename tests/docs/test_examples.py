@@ -2,9 +2,11 @@
 
 import dataclasses
 import importlib
+import importlib.util
 import json
 import math
 import re
+import sys
 from pathlib import Path
 
 import gymnasium as gym
@@ -79,6 +81,34 @@ def test_the_page_of_the_environments_names_what_they_have():
     assert all(f"`{name}`" in page for name in (*ENVIRONMENTS, *OPTIONS))
     assert f"{Told(env).observation_space.shape[0]} numbers" in page
     assert page.count("<!-- ") == 2
+
+
+def test_the_table_of_returns_is_that_of_the_episodes():
+    """Both or neither; and who is nearer to the dancers has the higher return."""
+    path = ROOT / "docs" / "environment_returns.json"
+    script = load(ROOT / "scripts" / "environment_returns.py")
+    page = (ROOT / "docs" / "environment.md").read_text(encoding="utf-8")
+    assert path.exists() == (script.BEGIN + script.END not in page)
+    if not path.exists():
+        return
+    rows = json.loads(path.read_text(encoding="utf-8"))["episodes"]
+    assert script.on_page(page, rows) == page
+    episodes = {name: [row for row in rows if row["policy"] == name] for name in script.Options.policies}
+    means = {name: np.mean([row["return"] for row in own]) for name, own in episodes.items()}
+    ta_s = {name: np.mean([row["ta_s"] for row in episodes[name] if row["ta_s"]]) for name in ("random", "eca", "sia")}
+    assert min(len(own) for own in episodes.values()) >= 20
+    assert sorted(ta_s, key=ta_s.get) == sorted(ta_s, key=lambda name: -means[name])
+    assert min(means["sia"], means["eca"]) > means["idle"]
+    learned = [row["return"] for row in rows if row["policy"] == "learned"]
+    assert not learned or np.mean(learned) > max(means["random"], means["random-in-order"])
+
+
+def load(path):
+    """A script as a module."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = sys.modules[path.stem] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def test_the_training_example_learns_for_some_seconds(monkeypatch, capsys):

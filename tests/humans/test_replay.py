@@ -109,6 +109,14 @@ def test_a_missing_stop_or_start_is_completed_and_said():
     assert all("events.csv, line" in notice.what and "no partner" in notice.what for notice in model.notices)
 
 
+def test_a_frame_too_short_is_a_detectors_rounding():
+    start = TABLE.time_s(1, 0)
+    cues = replayed(at(score(), 10, start + 0.79))[1][0]
+    assert cues[0].duration_s == 0.8
+    cues = replayed(at(score(), 11, TABLE.time_s(1, 4) + 0.14))[1][0]
+    assert cues[1].t_s == pytest.approx(TABLE.time_s(1, 4) + 0.15)
+
+
 def test_a_phrase_that_was_left_out_stays_out():
     cues = replayed(without(score(), 9, 10, 11, 12))[1][0]
     assert [cue.ordinal for cue in cues] == [4, 6, 8, 8]

@@ -76,7 +76,7 @@ def test_frame_to_frame_error_is_small_and_the_drift_slow():
     config = SensorConfig()
     values = errors(config, 3000)
     steps = np.diff(values, axis=0)
-    assert steps.std() == pytest.approx(0.00141, rel=0.02)
+    assert steps.std() == pytest.approx(config.drift_m * np.sqrt(2 - 2 * config.drift_correlation), rel=0.02)
     drift = errors(SensorConfig(bias_m=0.0), 3000)
     assert drift.std() == pytest.approx(config.drift_m, rel=0.1)
     correlation = (drift[1:] * drift[:-1]).mean() / (drift**2).mean()
@@ -86,7 +86,7 @@ def test_frame_to_frame_error_is_small_and_the_drift_slow():
 def test_bias_is_constant_per_person_and_joint():
     values = errors(SensorConfig(drift_m=0.0), 50)
     assert np.ptp(values, axis=0).max() < 1e-12
-    assert values[0].std() == pytest.approx(0.008, rel=0.15)
+    assert values[0].std() == pytest.approx(SensorConfig().bias_m, rel=0.15)
 
 
 def test_drift_runs_on_over_frames_not_taken():
@@ -96,7 +96,9 @@ def test_drift_runs_on_over_frames_not_taken():
         view.time_s = tick / FRAME_HZ
         values.append(seen(sensor, view).joints)
     drift = np.array(values) - np.mean(values, axis=0)
-    assert (drift[1:] * drift[:-1]).mean() / (drift**2).mean() == pytest.approx(0.99**6, abs=0.01)
+    assert (drift[1:] * drift[:-1]).mean() / (drift**2).mean() == pytest.approx(
+        SensorConfig().drift_correlation ** 6, abs=0.01
+    )
 
 
 def screen_before(view: ScriptedView, dancer: int, joint: str, radius_m: float, **when: float) -> Screen:
@@ -119,7 +121,7 @@ def test_hidden_hand_is_inferred_and_its_error_grows_smoothly():
     size = np.linalg.norm(values, axis=1)
     assert states[29] == TRACKED
     assert set(states[30:90]) == {INFERRED}
-    assert size[89] / size[29] == pytest.approx(8.0, rel=0.01)
+    assert size[89] / size[29] == pytest.approx(SensorConfig().hidden_factor_hand, rel=0.01)
     assert states[90] == INFERRED  # seen again, but not settled yet
     back = states.index(TRACKED, 90)
     assert (back - 90) / FRAME_HZ < 0.45
