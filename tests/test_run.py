@@ -31,8 +31,12 @@ def danced(monkeypatch):
     profiling = types.ModuleType("sjasim.profiling")
     figures = {"sim_s": 90.0, "cpu_s": 4.5, "raw_cpu_s": 3.0, "room_cpu_s": {"planning": 0.09}}
     profiling.profile = lambda config: figures
-    profiling.profile_env = lambda: {"env_steps": 900, "env_cpu_s": 1.5, "env_raw_cpu_s": 1.2}
+    profiling.profile_depth = lambda config: {"depth_sim_s": 30.0, "depth_cpu_s": 6.0}
     monkeypatch.setitem(sys.modules, "sjasim.profiling", profiling)
+    environments = types.ModuleType("sjasim_envs.profiling")
+    environments.profile_env = lambda: {"env_steps": 900, "env_cpu_s": 1.5, "env_raw_cpu_s": 1.2}
+    environments.profile_workers = lambda: {"async_steps_per_s": (500.0, 900.0)}
+    monkeypatch.setitem(sys.modules, "sjasim_envs.profiling", environments)
     return asked
 
 
@@ -139,7 +143,9 @@ def test_the_benchmark_names_every_figure(danced, capsys, monkeypatch):
     assert report["figures"]["planning_cpu_s"] == pytest.approx(0.001)
     assert report["figures"]["env_steps_per_s"] == pytest.approx(600.0)
     assert report["figures"]["env_ratio_to_raw"] == pytest.approx(0.8)
-    assert report["figures"]["async2_speedup"] is None
+    assert report["figures"]["async2_speedup"] == pytest.approx(1.8)
+    assert report["figures"]["session_sim_s_per_cpu_s_depth"] == pytest.approx(5.0)
+    assert report["figures"]["depth_frame_cpu_s"] is None
     assert report["room_ms_per_frame"]["planning"] == pytest.approx(0.09 / 90 / 30 * 1000)
     assert {"machine", "versions", "command"} <= set(report)
     assert cli.main(benchmark.command, []) == 0
