@@ -280,7 +280,7 @@ class PhysicsWorld:
                 self.ledger.estimate(skeletons, self.sensing[name].dancers, self._mounts[name])
             if client.next_output_s <= now + ROUNDING_S:
                 self._outbox.extend(client.outputs(now))
-        faced = CARDINALS[(self._timetable.iteration_at(now) - 1) % len(CARDINALS)]
+        faced = CARDINALS[self._timetable.faced(self._timetable.iteration_at(now))]
         sensing = self.sensing[faced]
         watched = self._clients[faced].watches(now)
         self.ledger.see(self.stage.joints_m, sensing.visible if watched else None, sensing.dancers)

@@ -84,3 +84,9 @@ def test_a_dance_can_be_danced(name):
     errors = [error for dancer in range(2) for _, error, _ in floor.event_errors(dancer)]
     assert np.isfinite(errors).all()
     assert np.abs(errors).max() < 0.08
+
+
+@pytest.mark.parametrize(("name", "faced"), [("paper", [3, 0, 1, 2, 3]), ("march", [0] * 5)])
+def test_who_turns_faces_the_next_sensor_and_who_does_not_the_same(name, faced):
+    plan = Timetable(dance(name), TempoMap.steady(118.0), 0.0, 0, 4)
+    assert [plan.faced(iteration) for iteration in range(5)] == faced
