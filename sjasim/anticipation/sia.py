@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..answers import Answer, Brief, Intention, Withdrawal
+from ..answers import Answer, Brief, Intention, Wake, Withdrawal
 from ..errors import ConfigError
 from ..registry import register
 from ..types import Array, Event, Kind
@@ -21,6 +21,8 @@ from .scheduling import LEAD_S, Scheduling
 from .synchrony import most_synchronous
 
 STARTS = (Kind.START_FORWARD, Kind.START_BACKWARD)
+HOLD_S = 0.15
+"""Shortest pause between two moves that the robot makes without anybody to follow [s] (assumed)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +72,8 @@ class Sia(Scheduling):
     is past the step, a stop or turn falls back at once, and a start is passed over with its stop: its
     move is over.
 
-    Timers it has none: fallbacks are intentions that an event replaces.
+    When a start falls back, its dancer has left out a whole phrase: the rest of it, to where the robot came from, is
+    scheduled at once, not each step at the close of its own window, which would leave no time before the turn.
 
     Args:
         config: its options.
@@ -91,6 +94,8 @@ class Sia(Scheduling):
         self._next = len(brief.steps)
         self._reference: Array = np.zeros(len(brief.steps))
         self._close: Array = np.zeros(len(brief.steps))
+        self._planned: tuple[Intention, ...] = ()
+        self._alone: dict[float, int] = {}
 
     def follows(self, iteration: int) -> tuple[str, ...] | None:
         """Whom the robot follows in an iteration, as `synchrony.group_index` wants it; None for everyone."""
@@ -133,11 +138,40 @@ class Sia(Scheduling):
         end = self._brief.window_end_s[iteration] - self._start_s
         self._close = np.minimum(self._reference + self._config.window_s, end)
         self._next = 0
+        self._planned = intentions
         why = f"fallback: no event within {self._config.window_s:g} s of the time expected of {self._note}"
-        return tuple(
+        fallbacks = tuple(
             Intention(iteration, plan.ordinal, self._start_s + min(max(close, plan.t_s - self._start_s), end), why)
             for plan, close in zip(intentions, self._close.tolist(), strict=True)
         )
+        starts = [step.ordinal for step in self._brief.steps if step.kind in STARTS]
+        self._alone = {fallbacks[ordinal].t_s: ordinal for ordinal in starts}
+        return (*fallbacks, *map(Wake, self._alone))
+
+    def on_wake(self, t_s: float) -> Sequence[Answer]:
+        """A start's window has closed: go on alone if nobody was followed."""
+        begun = self._alone.pop(t_s, None)
+        if begun is None or not self._leader:
+            return ()
+        self._next = max(self._next, begun + 1)
+        return self._rest_of_phrase(begun, t_s)
+
+    def _rest_of_phrase(self, begun: int, t_s: float) -> tuple[Intention, ...]:
+        """The schedule up to the end of the phrase, moved on as far as a start that fell back needs it.
+
+        Args:
+            begun: ordinal of that start.
+            t_s: when its command was sent [s].
+        """
+        rest: list[Intention] = []
+        for step in self._brief.steps[begun + 1 :]:
+            if step.kind in (Kind.START_FORWARD, Kind.CLAP):
+                break
+            plan, before = self._planned[step.ordinal], self._planned[step.ordinal - 1]
+            t_s = max(plan.t_s, t_s + (HOLD_S if step.kind in STARTS else plan.t_s - before.t_s))
+            why = f"fallback: {self._brief.steps[begun].kind.value} was made without {self._note}"
+            rest.append(Intention(self._scheduled, step.ordinal, t_s, why))
+        return tuple(rest)
 
     def _choose(self, iteration: int) -> None:
         series = self._history.series(iteration)
@@ -161,16 +195,21 @@ class Sia(Scheduling):
         distance, ordinal = min(own, default=(np.inf, -1))
         return ordinal if distance <= self._config.window_s else None
 
+    def _settle(self) -> None:
+        """The next step has its answer: nothing is to be done alone."""
+        self._alone = {t_s: ordinal for t_s, ordinal in self._alone.items() if ordinal != self._next}
+        self._next += 1
+
     def _follow(self, event: Event) -> Intention:
         step = self._brief.steps[self._next]
-        self._next += 1
+        self._settle()
         why = f"{'early ' if event.early else ''}{event.kind.value} of {self._note}"
         return Intention(self._scheduled, step.ordinal, event.t_arrival_s, why, event.person)
 
     def _pass_over(self, event: Event, *, whole: bool = False) -> Answer:
         """Answer for a step that the leader is past; ``whole`` for the stop of a start that was passed over."""
         step = self._brief.steps[self._next]
-        self._next += 1
+        self._settle()
         if whole or step.kind in STARTS:
             return Withdrawal(
                 self._scheduled, step.ordinal, f"passed over: {event.kind.value} already seen of {self._note}"
