@@ -67,10 +67,10 @@ class Sia(Scheduling):
 
     Only the next unresolved step is listened for. An early event of the followed dancer triggers it, else their
     regular event, within the window around the same dancer's time one iteration ago (the schedule's, where they
-    lack it). A clap has no early event. If the window closes with neither, the scheduled command is used, at once
-    if its time has passed, and the decision says ``fallback``. If meanwhile a regular event shows that the dancer
-    is past the step, a stop or turn falls back at once, and a start is passed over with its stop: its
-    move is over.
+    lack it); the stop of a start that was followed needs no window. A clap has no early event. If the window closes
+    with neither, the scheduled command is used, at once if its time has passed, and the decision says ``fallback``.
+    If meanwhile a regular event shows that the dancer is past the step, a stop or turn falls back at once, and a
+    start is passed over with its stop: its move is over.
 
     When a start falls back, its dancer has left out a whole phrase: the rest of it, to where the robot came from, is
     scheduled at once, not each step at the close of its own window, which would leave no time before the turn.
@@ -95,6 +95,7 @@ class Sia(Scheduling):
         self._reference: Array = np.zeros(len(brief.steps))
         self._close: Array = np.zeros(len(brief.steps))
         self._planned: tuple[Intention, ...] = ()
+        self._begun = -2
         self._alone: dict[float, int] = {}
 
     def follows(self, iteration: int) -> tuple[str, ...] | None:
@@ -110,7 +111,7 @@ class Sia(Scheduling):
             return ()
         self._pass_closed(event.t_arrival_s)
         after = event.t_s - self._start_s
-        step = self._step_of(event.kind, after)
+        step = self._next if self._ends_move(event.kind) else self._step_of(event.kind, after)
         if step is None or step < self._next:
             return ()
         if step == self._next:
@@ -137,7 +138,7 @@ class Sia(Scheduling):
         self._start_s = self._brief.iteration_start_s[iteration]
         end = self._brief.window_end_s[iteration] - self._start_s
         self._close = np.minimum(self._reference + self._config.window_s, end)
-        self._next = 0
+        self._next, self._begun = 0, -2
         self._planned = intentions
         why = f"fallback: no event within {self._config.window_s:g} s of the time expected of {self._note}"
         fallbacks = tuple(
@@ -188,6 +189,10 @@ class Sia(Scheduling):
         while self._next < len(self._close) and now_s >= self._start_s + self._close[self._next]:
             self._next += 1
 
+    def _ends_move(self, kind: Kind) -> bool:
+        """Whether it is the stop of the start that was followed: that needs no window."""
+        return self._begun == self._next - 1 and kind == self._brief.steps[self._next].kind
+
     def _step_of(self, kind: Kind, after_s: float) -> int | None:
         """The step whose expected time is nearest, if the window holds the event."""
         own = [(abs(self._reference[step.ordinal] - after_s), step.ordinal)
@@ -202,6 +207,7 @@ class Sia(Scheduling):
 
     def _follow(self, event: Event) -> Intention:
         step = self._brief.steps[self._next]
+        self._begun = step.ordinal if step.kind in STARTS else -2
         self._settle()
         why = f"{'early ' if event.early else ''}{event.kind.value} of {self._note}"
         return Intention(self._scheduled, step.ordinal, event.t_arrival_s, why, event.person)

@@ -125,6 +125,16 @@ def test_a_phrase_that_the_leader_leaves_out_is_danced_to_its_end_before_the_tur
     assert sent(following.tell(story.event("dancer_1", 2, SB, story.nominal[6] + 0.1))) == [(6, "dancer_1")]
 
 
+def test_the_stop_of_a_followed_start_needs_no_window(story):
+    long = np.array([0.0, 2.5, 2.5, 2.5, 2.5, 2.5, 0.0, 0.0, 0.0])
+    at = {"dancer_1": long, "dancer_2": long + 0.05, "dancer_3": 0.6}
+    following = story.Stage("sia").play(0, at).play(1, at)
+    following.begin(2)
+    assert following.method.follows(2) == ("dancer_1",)
+    assert sent(following.tell(story.event("dancer_1", 2, SF, 0.1))) == [(0, "dancer_1")]
+    assert sent(following.tell(story.event("dancer_1", 2, TF, story.nominal[1]))) == [(1, "dancer_1")]
+
+
 def test_timers_do_nothing_while_the_leader_is_followed(following, story):
     for index, kind in enumerate((SF, TF, SB, TB, SF, TF, SB, TB)):
         following.tell(story.event("dancer_1", 2, kind, story.nominal[index]))
