@@ -111,7 +111,9 @@ def main() -> int:
     rows = [row for part in options.only for row in PARTS[part](seeds, pool)]
     if options.json:
         keys = ("figure", "value", "target", "met")
-        sys.stdout.write(json.dumps([dict(zip(keys, row, strict=True)) for row in rows], indent=1, default=float) + "\n")
+        sys.stdout.write(
+            json.dumps([dict(zip(keys, row, strict=True)) for row in rows], indent=1, default=float) + "\n"
+        )
     else:
         table = Table("figure", "value", "target", "", title=f"seeds {seeds.start} to {seeds.stop - 1}")
         for name, value, target, met in rows:

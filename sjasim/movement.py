@@ -85,8 +85,11 @@ class Rehearsal(PhysicsWorld):
 
     def movement(self) -> Movement:
         """What has been danced so far."""
-        columns = [np.array(column) for column in zip(*self._rows, strict=True)]
-        return Movement(*columns, self.stage.servos.weight, tuple(self.cues), sum(self._fallen))
+        t_s, roots, palms, feet, tether, load, planned, landing = (
+            np.array(column) for column in zip(*self._rows, strict=True)
+        )
+        weight, cues, falls = self.stage.servos.weight, tuple(self.cues), sum(self._fallen)
+        return Movement(t_s, roots, palms, feet, tether, load, planned, landing, weight, cues, falls)
 
 
 @dataclasses.dataclass(frozen=True)
