@@ -31,6 +31,9 @@ STRANGER_M2 = 0.04
 """The same at the height of the trunk for somebody new (assumed)."""
 OBJECT_M2 = 0.01
 """The same for a low object (assumed)."""
+EDGE_M = 0.12
+"""Somebody whose visible surface has its middle this near to the picture's left or right edge is half out of it, and
+out of sight: what is left would be taken for all of the body, and hold back who leaves (assumed)."""
 LONGEST_S = 1.0
 """A longer gap between frames counts as this long."""
 
@@ -127,7 +130,7 @@ class SkeletonEstimator:
         strange = segmentation.strangers(self._scene, self._intrinsics, area, tracking.REACH_M)
         if strange:
             for x, z in tracking.found_again(strange, self._persons):
-                if len(self._persons) < MOST_PERSONS:
+                if len(self._persons) < MOST_PERSONS and not self._half_out(x, z):
                     self._persons.append(Person(self._next, np.array([x, z])))
                     self._next += 1
             self._share()
@@ -169,12 +172,16 @@ class SkeletonEstimator:
         _join_hands(joints, support)
         surface = body[:, 0] * self._per_pixel * (places[:, 1]) ** 2
         for k, person in enumerate(persons):
-            if surface[k] < LEAST_M2:
+            if surface[k] < LEAST_M2 or self._half_out(*body[k, 1:3]):
                 person.lose(interval_s)
                 continue
             seen = (support[k] > self._model.support) & np.isfinite(joints[k, :, 0])
             person.hold(joints[k], seen, interval_s)
             person.see(joints[k], seen, self._model.posture, self._model.mean, interval_s)
+
+    def _half_out(self, x_m: float, z_m: float) -> bool:
+        """Whether the picture cuts off half of somebody whose visible surface has its middle there."""
+        return abs(x_m) > self._intrinsics.width / (2.0 * self._intrinsics.fx) * z_m - EDGE_M
 
     def _skeletons(self) -> Skeletons:
         persons = [person for person in self._persons if person.confirmed]

@@ -172,11 +172,29 @@ def test_turning_dancers_keep_left_and_right():
     assert report.errors([outcome])["swapped"] < 0.005
 
 
+def test_who_leaves_the_picture_goes_on_and_is_not_held_at_its_edge():
+    view, room = stage_dance(Trial(77, 3.5))
+    sensing = DepthSensing(room.mounts[0], SensorConfig(), 3, stream(0, "sensor"))
+    estimator = SkeletonEstimator(sensing.intrinsics, float(room.mounts[0].position[2]))
+    still = sensing.frame(view)
+    x_m = np.full((115, 3), np.nan)
+    for tick in range(len(x_m)):
+        shift = 2 * max(tick - 15, 0)
+        moved = np.zeros_like(still)
+        moved[:, : still.shape[1] - shift] = still[:, shift:]
+        found = estimator.update(tick / 30, moved)
+        for person, joints in zip(found.persons.tolist(), found.joints, strict=True):
+            x_m[tick, person] = joints[JOINT_INDEX["SpineBase"], 0]
+    assert np.nanmax(np.diff(x_m[20:], axis=0)) < 0.005
+    assert (np.nanmin(x_m, axis=0) < [-2.5, -2.3, -1.7]).all()
+
+
 @pytest.mark.slow
 def test_crossings_and_eclipses_change_no_identity():
     from sjasim.training.crossings import crossings, eclipses
 
     assert crossings(7000, 8)["wrong"] == 0
+    assert crossings(8600, 2)["wrong"] == 0
     assert eclipses(7000, 3)["wrong"] == 0
 
 
