@@ -55,15 +55,14 @@ def _sweep(
 def _accelerations(points: Array, dt_s: float, stride: int) -> Array:
     """Second differences (T, P, 3) over some ticks, smoothed over as many; the ends stand still."""
     ticks, per = len(points), 1.0 / (stride * dt_s) ** 2
-    raw, out = np.zeros_like(points), np.zeros_like(points)
+    out = np.zeros_like(points)
+    at, raw, smooth = points.reshape(ticks, -1), np.zeros((ticks, points[0].size)), out.reshape(ticks, -1)
     for t in range(stride, ticks - stride):
-        for p in range(points.shape[1]):
-            for k in range(3):
-                raw[t, p, k] = per * (points[t + stride, p, k] - 2.0 * points[t, p, k] + points[t - stride, p, k])
+        for k in range(at.shape[1]):
+            raw[t, k] = per * (at[t + stride, k] - 2.0 * at[t, k] + at[t - stride, k])
     for t in range(stride, ticks - stride):
-        for p in range(points.shape[1]):
-            for k in range(3):
-                out[t, p, k] = 0.25 * raw[t - stride, p, k] + 0.5 * raw[t, p, k] + 0.25 * raw[t + stride, p, k]
+        for k in range(at.shape[1]):
+            smooth[t, k] = 0.25 * raw[t - stride, k] + 0.5 * raw[t, k] + 0.25 * raw[t + stride, k]
     return out
 
 

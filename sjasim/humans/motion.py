@@ -107,12 +107,9 @@ class Planner:
         self._busy_until_s = 0.0
         ticks = len(reference.yaw)
         self._times: Array = np.arange(ticks, dtype=np.float64) * self._dt
-        self._arms = np.zeros((ticks, 8))
-        self._trunk = np.zeros(ticks)
-        self._path = np.zeros((ticks, 2))
-        self._axis = np.zeros(ticks)
-        self._free = np.zeros(ticks)
-        self._com = np.zeros((ticks, 2))
+        self._arms, self._trunk, self._path, self._axis, self._free, self._com = (
+            np.full((ticks, *shape), 0.0) for shape in ((8,), (), (2,), (), (), (2,))
+        )
         self._omega = float(np.sqrt(GRAVITY / (1.04 * anatomy.standing_m)))
         self._kernel = footsteps.easing(HEIGHT_EASE_S, self._dt)
         self._reference = r = reference

@@ -40,10 +40,11 @@ class Reference:
 
     @classmethod
     def empty(cls, dancers: int, ticks: int) -> Reference:
-        """All zero, with a leading axis for the dancers."""
+        """All zero, with a leading axis for the dancers; its memory is touched here, not while people dance."""
         shapes = ((25,), (3,), (), (2,), (), (2, 3), (2,), (2,), (25,))
         joints, pelvis, yaw, dcm, weight, ankles, foot_yaw, landing, torque = (
-            np.zeros((dancers, ticks, *shape)) for shape in shapes
+            np.full((dancers, ticks, *shape), 0.0)
+            for shape in shapes
         )
         until = np.zeros(dancers, dtype=np.int64)
         return cls(joints, pelvis, yaw, dcm, weight, ankles, foot_yaw, landing, torque, until)
