@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..answers import Answer, Brief, Intention, Withdrawal
+from ..answers import Answer, Brief, Intention, Wake, Withdrawal
 from ..errors import ConfigError
 from ..registry import register
 from ..types import Array, Event, Kind
@@ -21,6 +21,8 @@ from .scheduling import LEAD_S, Scheduling
 from .synchrony import most_synchronous
 
 STARTS = (Kind.START_FORWARD, Kind.START_BACKWARD)
+HOLD_S = 0.15
+"""Shortest pause between two moves that the robot makes without anybody to follow [s] (assumed)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +67,13 @@ class Sia(Scheduling):
 
     Only the next unresolved step is listened for. An early event of the followed dancer triggers it, else their
     regular event, within the window around the same dancer's time one iteration ago (the schedule's, where they
-    lack it). A clap has no early event. If the window closes with neither, the scheduled command is used, at once
-    if its time has passed, and the decision says ``fallback``. If meanwhile a regular event shows that the dancer
-    is past the step, a stop or turn falls back at once, and a start is passed over with its stop: its
-    move is over.
+    lack it); the stop of a start that was followed needs no window. A clap has no early event. If the window closes
+    with neither, the scheduled command is used, at once if its time has passed, and the decision says ``fallback``.
+    If meanwhile a regular event shows that the dancer is past the step, a stop or turn falls back at once, and a
+    start is passed over with its stop: its move is over.
 
-    Timers it has none: fallbacks are intentions that an event replaces.
+    When a start falls back, its dancer has left out a whole phrase: the rest of it, to where the robot came from, is
+    scheduled at once, not each step at the close of its own window, which would leave no time before the turn.
 
     Args:
         config: its options.
@@ -91,6 +94,9 @@ class Sia(Scheduling):
         self._next = len(brief.steps)
         self._reference: Array = np.zeros(len(brief.steps))
         self._close: Array = np.zeros(len(brief.steps))
+        self._planned: tuple[Intention, ...] = ()
+        self._begun = -2
+        self._alone: dict[float, int] = {}
 
     def follows(self, iteration: int) -> tuple[str, ...] | None:
         """Whom the robot follows in an iteration, as `synchrony.group_index` wants it; None for everyone."""
@@ -105,7 +111,7 @@ class Sia(Scheduling):
             return ()
         self._pass_closed(event.t_arrival_s)
         after = event.t_s - self._start_s
-        step = self._step_of(event.kind, after)
+        step = self._next if self._ends_move(event.kind) else self._step_of(event.kind, after)
         if step is None or step < self._next:
             return ()
         if step == self._next:
@@ -132,12 +138,41 @@ class Sia(Scheduling):
         self._start_s = self._brief.iteration_start_s[iteration]
         end = self._brief.window_end_s[iteration] - self._start_s
         self._close = np.minimum(self._reference + self._config.window_s, end)
-        self._next = 0
+        self._next, self._begun = 0, -2
+        self._planned = intentions
         why = f"fallback: no event within {self._config.window_s:g} s of the time expected of {self._note}"
-        return tuple(
+        fallbacks = tuple(
             Intention(iteration, plan.ordinal, self._start_s + min(max(close, plan.t_s - self._start_s), end), why)
             for plan, close in zip(intentions, self._close.tolist(), strict=True)
         )
+        starts = [step.ordinal for step in self._brief.steps if step.kind in STARTS]
+        self._alone = {fallbacks[ordinal].t_s: ordinal for ordinal in starts}
+        return (*fallbacks, *map(Wake, self._alone))
+
+    def on_wake(self, t_s: float) -> Sequence[Answer]:
+        """A start's window has closed: go on alone if nobody was followed."""
+        begun = self._alone.pop(t_s, None)
+        if begun is None or not self._leader:
+            return ()
+        self._next = max(self._next, begun + 1)
+        return self._rest_of_phrase(begun, t_s)
+
+    def _rest_of_phrase(self, begun: int, t_s: float) -> tuple[Intention, ...]:
+        """The schedule up to the end of the phrase, moved on as far as a start that fell back needs it.
+
+        Args:
+            begun: ordinal of that start.
+            t_s: when its command was sent [s].
+        """
+        rest: list[Intention] = []
+        for step in self._brief.steps[begun + 1 :]:
+            if step.kind in (Kind.START_FORWARD, Kind.CLAP):
+                break
+            plan, before = self._planned[step.ordinal], self._planned[step.ordinal - 1]
+            t_s = max(plan.t_s, t_s + (HOLD_S if step.kind in STARTS else plan.t_s - before.t_s))
+            why = f"fallback: {self._brief.steps[begun].kind.value} was made without {self._note}"
+            rest.append(Intention(self._scheduled, step.ordinal, t_s, why))
+        return tuple(rest)
 
     def _choose(self, iteration: int) -> None:
         series = self._history.series(iteration)
@@ -154,6 +189,10 @@ class Sia(Scheduling):
         while self._next < len(self._close) and now_s >= self._start_s + self._close[self._next]:
             self._next += 1
 
+    def _ends_move(self, kind: Kind) -> bool:
+        """Whether it is the stop of the start that was followed: that needs no window."""
+        return self._begun == self._next - 1 and kind == self._brief.steps[self._next].kind
+
     def _step_of(self, kind: Kind, after_s: float) -> int | None:
         """The step whose expected time is nearest, if the window holds the event."""
         own = [(abs(self._reference[step.ordinal] - after_s), step.ordinal)
@@ -161,16 +200,22 @@ class Sia(Scheduling):
         distance, ordinal = min(own, default=(np.inf, -1))
         return ordinal if distance <= self._config.window_s else None
 
+    def _settle(self) -> None:
+        """The next step has its answer: nothing is to be done alone."""
+        self._alone = {t_s: ordinal for t_s, ordinal in self._alone.items() if ordinal != self._next}
+        self._next += 1
+
     def _follow(self, event: Event) -> Intention:
         step = self._brief.steps[self._next]
-        self._next += 1
+        self._begun = step.ordinal if step.kind in STARTS else -2
+        self._settle()
         why = f"{'early ' if event.early else ''}{event.kind.value} of {self._note}"
         return Intention(self._scheduled, step.ordinal, event.t_arrival_s, why, event.person)
 
     def _pass_over(self, event: Event, *, whole: bool = False) -> Answer:
         """Answer for a step that the leader is past; ``whole`` for the stop of a start that was passed over."""
         step = self._brief.steps[self._next]
-        self._next += 1
+        self._settle()
         if whole or step.kind in STARTS:
             return Withdrawal(
                 self._scheduled, step.ordinal, f"passed over: {event.kind.value} already seen of {self._note}"

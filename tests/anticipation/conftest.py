@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sjasim.answers import Brief, Intention
+from sjasim.answers import Brief, Intention, Wake
 from sjasim.anticipation.method import build
 from sjasim.choreography.paper import paper
 from sjasim.choreography.score import Timetable
@@ -63,16 +63,25 @@ class Stage:
         self.method.reset(brief(cast), np.random.default_rng(0))
         self.plan = {}
         self.answers = []
+        self.wakes = []
 
     def take(self, answers):
-        for answer in answers:
+        self.wakes += [answer.t_s for answer in answers if isinstance(answer, Wake)]
+        kept = [answer for answer in answers if not isinstance(answer, Wake)]
+        for answer in kept:
             self.answers.append(answer)
             key = (answer.iteration, answer.ordinal)
             if isinstance(answer, Intention):
                 self.plan[key] = answer
             else:
                 self.plan.pop(key)
-        return list(answers)
+        return kept
+
+    def wait(self, until_s):
+        """Nothing happens but timers."""
+        due = sorted(t_s for t_s in self.wakes if t_s <= until_s)
+        self.wakes = [t_s for t_s in self.wakes if t_s > until_s]
+        return [answer for t_s in due for answer in self.take(self.method.on_wake(t_s))]
 
     def begin(self, iteration):
         return self.take(self.method.on_iteration_start(iteration, start_s(iteration)))

@@ -111,6 +111,36 @@ def test_a_silent_leader_leaves_the_fallback_at_the_windows_end(following, story
     assert following.after(2) == pytest.approx(np.minimum(story.nominal + 2.0, close))
 
 
+def test_a_phrase_that_the_leader_leaves_out_is_danced_to_its_end_before_the_turn(following, story):
+    planned = following.after(2)
+    begun = planned[4]
+    for index, kind in enumerate((SF, TF, SB, TB)):
+        following.tell(story.event("dancer_1", 2, kind, story.nominal[index]))
+    rest = following.wait(story.start_s(2) + begun)
+    assert sent(rest) == [(5, ""), (6, ""), (7, "")]
+    stop, back, done = following.after(2)[5:8]
+    assert stop - begun == pytest.approx(story.nominal[5] - story.nominal[4], abs=0.05)
+    assert stop < back < done < story.nominal[8]
+    assert "made without dancer_1" in rest[0].why
+    assert sent(following.tell(story.event("dancer_1", 2, SB, story.nominal[6] + 0.1))) == [(6, "dancer_1")]
+
+
+def test_the_stop_of_a_followed_start_needs_no_window(story):
+    long = np.array([0.0, 2.5, 2.5, 2.5, 2.5, 2.5, 0.0, 0.0, 0.0])
+    at = {"dancer_1": long, "dancer_2": long + 0.05, "dancer_3": 0.6}
+    following = story.Stage("sia").play(0, at).play(1, at)
+    following.begin(2)
+    assert following.method.follows(2) == ("dancer_1",)
+    assert sent(following.tell(story.event("dancer_1", 2, SF, 0.1))) == [(0, "dancer_1")]
+    assert sent(following.tell(story.event("dancer_1", 2, TF, story.nominal[1]))) == [(1, "dancer_1")]
+
+
+def test_timers_do_nothing_while_the_leader_is_followed(following, story):
+    for index, kind in enumerate((SF, TF, SB, TB, SF, TF, SB, TB)):
+        following.tell(story.event("dancer_1", 2, kind, story.nominal[index]))
+    assert following.wait(story.timetable.close_s(2)) == []
+
+
 def test_the_fallback_waits_for_its_schedule_if_that_is_later(story):
     at = {"dancer_1": -0.7, "dancer_2": -0.7, "dancer_3": 0.7}
     stage = story.Stage("sia", window_s=0.3).play(0, at).play(1, at)
