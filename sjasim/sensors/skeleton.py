@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINTS
@@ -59,13 +60,13 @@ def shares(counts: Array, wanted: int) -> Array:
     return np.asarray(wanted / np.maximum(counts, wanted))
 
 
+@njit(cache=True)
 def _join_hands(joints: Array, support: Array) -> None:
     """Hands that touch show each only half of their surface: where one is seen, so is the other."""
-    one, other = tracking.HANDS
-    left, right = support[:, one], support[:, other]
-    apart = np.linalg.norm(joints[:, one] - joints[:, other], axis=2)
-    shared = np.where(apart < tracking.TOUCH_M, np.maximum(left, right), 0.0)
-    support[:, one], support[:, other] = np.maximum(left, shared), np.maximum(right, shared)
+    for k in range(len(joints)):
+        for left, right in tracking.HANDS:
+            if tracking.near(joints[k, left], joints[k, right], tracking.TOUCH_M):
+                support[k, left] = support[k, right] = max(support[k, left], support[k, right])
 
 
 class SkeletonEstimator:

@@ -66,16 +66,39 @@ _TRUNK[[*posture.TRUNK, JOINT_INDEX["Head"]]] = True
 _SETTLE_S = np.where(_TRUNK, SETTLE_TRUNK_S, SETTLE_LIMB_S)
 _STEADY = np.zeros(len(JOINTS), dtype=bool)
 _STEADY[posture.TRUNK] = True
-HANDS = [[JOINT_INDEX[f"{name}{side}"] for name in ("Wrist", "Hand", "HandTip", "Thumb")] for side in ("Left", "Right")]
-"""Wrists, hands, tips and thumbs, left and right."""
+HANDS = np.array([[JOINT_INDEX[f"{name}{side}"] for side in ("Left", "Right")]
+                  for name in ("Wrist", "Hand", "HandTip", "Thumb")])  # fmt: skip
+"""(4, 2) wrists, hands, tips and thumbs, left and right."""
 FRESH = -1
 """State of a joint that has just become known."""
-_PLACE = [JOINT_INDEX["SpineBase"], JOINT_INDEX["SpineMid"]]
+_BASE, _MID = JOINT_INDEX["SpineBase"], JOINT_INDEX["SpineMid"]
 
 
 def blend(interval_s: float, constant_s: float) -> float:
     """Share of the way to go in an interval."""
     return 1.0 - math.exp(-interval_s / constant_s)
+
+
+@njit(cache=True)
+def near(one: Array, other: Array, limit_m: float) -> bool:
+    """Whether two points (3,) are closer than a limit; not so where either is unknown."""
+    x, y, z = one[0] - other[0], one[1] - other[1], one[2] - other[2]
+    return bool(x * x + y * y + z * z < limit_m * limit_m)
+
+
+@njit(cache=True)
+def _hold(
+    joints: Array, before: Array, state: NDArray[np.int8], interval_s: float, unseen_s: Array, seen: posture.Seen
+) -> None:
+    """See `Person.hold`; ``before`` are the joints as predicted."""
+    limit_s = np.full(len(seen), HOLD_S)
+    for left, right in HANDS:
+        if near(joints[left], joints[right], TOUCH_M):
+            limit_s[left] = limit_s[right] = CLASP_S
+    for j in range(len(seen)):
+        unseen_s[j] = 0.0 if seen[j] else unseen_s[j] + interval_s
+        if state[j] == TRACKED and unseen_s[j] < limit_s[j] and near(joints[j], before[j], HOLD_M):
+            seen[j] = True
 
 
 @njit(cache=True)
@@ -200,7 +223,7 @@ class Person:
 
     def turn(self, votes: Array, interval_s: float) -> None:
         """Take in what the forest says of the yaw: sums of cosine and sine."""
-        if not votes[:2].any():
+        if votes[0] == votes[1] == 0.0:
             self.yaw_rad = 0.0 if math.isnan(self.yaw_rad) else self.yaw_rad
             return
         said = math.atan2(votes[1], votes[0])
@@ -229,13 +252,7 @@ class Person:
             seen: (25,) which of them are supported; changed in place.
             interval_s: since the last frame.
         """
-        left, right = HANDS
-        off, apart = joints - self.joints, joints[left] - joints[right]
-        limit_s = np.full(len(seen), HOLD_S)
-        near = (apart * apart).sum(axis=1) < TOUCH_M * TOUCH_M
-        limit_s[left] = limit_s[right] = np.where(near, CLASP_S, HOLD_S)
-        self.unseen_s = np.where(seen, 0.0, self.unseen_s + interval_s)
-        seen |= (self.state == TRACKED) & (self.unseen_s < limit_s) & ((off * off).sum(axis=1) < HOLD_M * HOLD_M)
+        _hold(joints, self.joints, self.state, interval_s, self.unseen_s, seen)
 
     def see(self, joints: Array, seen: NDArray[np.bool_], weights: Array, mean: Array, interval_s: float) -> None:
         """Take in a frame's joints.
@@ -272,7 +289,7 @@ class Person:
             self.spin += blend(interval_s, SPIN_S) * (rate - self.spin)
 
     def _go(self, interval_s: float) -> None:
-        place = self.joints[_PLACE][:, [0, 2]].mean(axis=0)
+        place = 0.5 * (self.joints[_BASE, ::2] + self.joints[_MID, ::2])
         if self.frames and interval_s > 0.0:
             step = (place - self.place) / interval_s
             self.velocity = self.velocity + blend(interval_s, SPEED_S) * step
@@ -285,8 +302,8 @@ def without_doubles(persons: list[Person]) -> list[Person]:
     """Those who remain where two stand in one place: the ones seen longer."""
     kept: list[Person] = []
     for person in sorted(persons, key=lambda one: -one.frames):
-        near = (np.hypot(*(person.place - other.place)) < SAME_M for other in kept if other.missing_s == 0.0)
-        if person.missing_s > 0.0 or not any(near):
+        doubles = (math.dist(person.place, other.place) < SAME_M for other in kept if other.missing_s == 0.0)
+        if person.missing_s > 0.0 or not any(doubles):
             kept.append(person)
     return [person for person in persons if any(person is one for one in kept)]
 

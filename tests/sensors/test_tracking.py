@@ -137,7 +137,7 @@ def test_the_forest_rights_a_yaw_that_has_gone_astray():
 
 
 def test_hands_that_touch_stay_known_for_a_while_and_hands_apart_do_not():
-    left, right = tracking.HANDS
+    left, right = tracking.HANDS.T
     for gap_m, held in ((0.06, True), (0.40, False)):
         one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
         joints[right] = joints[left] + [gap_m, 0.0, 0.0]
