@@ -43,8 +43,7 @@ class Reference:
         """All zero, with a leading axis for the dancers; its memory is touched here, not while people dance."""
         shapes = ((25,), (3,), (), (2,), (), (2, 3), (2,), (2,), (25,))
         joints, pelvis, yaw, dcm, weight, ankles, foot_yaw, landing, torque = (
-            np.full((dancers, ticks, *shape), 0.0)
-            for shape in shapes
+            np.full((dancers, ticks, *shape), 0.0) for shape in shapes
         )
         until = np.zeros(dancers, dtype=np.int64)
         return cls(joints, pelvis, yaw, dcm, weight, ankles, foot_yaw, landing, torque, until)
