@@ -95,8 +95,10 @@ class Sia(Scheduling):
         self._reference: Array = np.zeros(len(brief.steps))
         self._close: Array = np.zeros(len(brief.steps))
         self._planned: tuple[Intention, ...] = ()
+        self._fallbacks: tuple[Intention, ...] = ()
         self._begun = -2
         self._alone: dict[float, int] = {}
+        self._hurried: set[int] = set()
 
     def follows(self, iteration: int) -> tuple[str, ...] | None:
         """Whom the robot follows in an iteration, as `synchrony.group_index` wants it; None for everyone."""
@@ -115,7 +117,7 @@ class Sia(Scheduling):
         if step is None or step < self._next:
             return ()
         if step == self._next:
-            return (self._follow(event),)
+            return (self._follow(event), *self._wait_for_stop())
         if event.early or after < self._reference[self._next]:
             return ()
         skipped = [self._pass_over(event) for _ in range(step - self._next)]
@@ -147,6 +149,7 @@ class Sia(Scheduling):
         )
         starts = [step.ordinal for step in self._brief.steps if step.kind in STARTS]
         self._alone = {fallbacks[ordinal].t_s: ordinal for ordinal in starts}
+        self._fallbacks, self._hurried = fallbacks, set()
         return (*fallbacks, *map(Wake, self._alone))
 
     def on_wake(self, t_s: float) -> Sequence[Answer]:
@@ -172,6 +175,7 @@ class Sia(Scheduling):
             t_s = max(plan.t_s, t_s + (HOLD_S if step.kind in STARTS else plan.t_s - before.t_s))
             why = f"fallback: {self._brief.steps[begun].kind.value} was made without {self._note}"
             rest.append(Intention(self._scheduled, step.ordinal, t_s, why))
+            self._hurried.add(step.ordinal)
         return tuple(rest)
 
     def _choose(self, iteration: int) -> None:
@@ -199,6 +203,11 @@ class Sia(Scheduling):
                for step in self._brief.steps if step.kind == kind]  # fmt: skip
         distance, ordinal = min(own, default=(np.inf, -1))
         return ordinal if distance <= self._config.window_s else None
+
+    def _wait_for_stop(self) -> tuple[Intention, ...]:
+        """The stop's own fallback again, if it was scheduled without a dancer whose start has just been followed."""
+        again = self._begun == self._next - 1 and self._next in self._hurried
+        return (self._fallbacks[self._next],) if again else ()
 
     def _settle(self) -> None:
         """The next step has its answer: nothing is to be done alone."""

@@ -122,7 +122,8 @@ def test_a_phrase_that_the_leader_leaves_out_is_danced_to_its_end_before_the_tur
     assert stop - begun == pytest.approx(story.nominal[5] - story.nominal[4], abs=0.05)
     assert stop < back < done < story.nominal[8]
     assert "made without dancer_1" in rest[0].why
-    assert sent(following.tell(story.event("dancer_1", 2, SB, story.nominal[6] + 0.1))) == [(6, "dancer_1")]
+    assert sent(following.tell(story.event("dancer_1", 2, SB, story.nominal[6] + 0.1))) == [(6, "dancer_1"), (7, "")]
+    assert following.after(2)[7] == pytest.approx(planned[7])  # back again, it has time
 
 
 def test_the_stop_of_a_followed_start_needs_no_window(story):
