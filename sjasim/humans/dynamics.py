@@ -67,27 +67,29 @@ def _accelerations(points: Array, dt_s: float, stride: int) -> Array:
 
 
 @njit(cache=True)
-def _add(force: Array, moment: Array, point: Array, x: float, y: float, z: float) -> None:
-    """Add a force at a point to a force and its moment about the world's origin."""
-    force[0] += x
-    force[1] += y
-    force[2] += z
-    moment[0] += point[1] * z - point[2] * y
-    moment[1] += point[2] * x - point[0] * z
-    moment[2] += point[0] * y - point[1] * x
+def _add(
+    force: Array, moment: Array, s: int, px: float, py: float, pz: float, x: float, y: float, z: float
+) -> None:  # fmt: skip
+    """Add a force at a point to a segment's force and its moment about the world's origin."""
+    force[s, 0] += x
+    force[s, 1] += y
+    force[s, 2] += z
+    moment[s, 0] += py * z - pz * y
+    moment[s, 1] += pz * x - px * z
+    moment[s, 2] += px * y - py * x
 
 
 @njit(cache=True)
 def _balance_sheet(
     points: Array, accelerations: Array, mass: Array, point_segment: IntArray, parent: IntArray, feet: IntArray,
-    ankles: Array, weight: float, force: Array, moment: Array, sole: Array,
+    ankles: Array, weight: float, force: Array, moment: Array,
 ) -> None:  # fmt: skip
     """Write the force (S, 3) and moment (S, 3) that each segment needs from its parent, for one tick."""
     force[:] = 0.0
     moment[:] = 0.0
     for p in range(len(mass)):
-        s, m, a = point_segment[p], mass[p], accelerations[p]
-        _add(force[s], moment[s], points[p], m * a[0], m * a[1], m * (a[2] + GRAVITY))
+        m, x, y, z = mass[p], accelerations[p, 0], accelerations[p, 1], accelerations[p, 2] + GRAVITY
+        _add(force, moment, point_segment[p], points[p, 0], points[p, 1], points[p, 2], m * x, m * y, m * z)
     x, y, z, turn_x, turn_y = 0.0, 0.0, 0.0, 0.0, 0.0
     for s in range(len(parent)):
         x += force[s, 0]
@@ -99,8 +101,8 @@ def _balance_sheet(
     off_y = turn_x / z - weight * ankles[0, 1] - (1.0 - weight) * ankles[1, 1]
     for side in range(2):
         share = weight if side == 0 else 1.0 - weight
-        sole[0], sole[1], sole[2] = ankles[side, 0] + off_x, ankles[side, 1] + off_y, 0.0
-        _add(force[feet[side]], moment[feet[side]], sole, -share * x, -share * y, -share * z)
+        sole_x, sole_y = ankles[side, 0] + off_x, ankles[side, 1] + off_y
+        _add(force, moment, feet[side], sole_x, sole_y, 0.0, -share * x, -share * y, -share * z)
     for s in range(len(parent) - 1, 0, -1):
         for k in range(3):
             force[parent[s], k] += force[s, k]
@@ -114,18 +116,18 @@ def _hinge_torques(
 ) -> Array:  # fmt: skip
     ticks, segments = origins.shape[0], origins.shape[1]
     out = np.zeros((ticks, len(hinge_segment)))
-    force, moment, sole = np.zeros((segments, 3)), np.zeros((segments, 3)), np.zeros(3)
+    force, moment = np.zeros((segments, 3)), np.zeros((segments, 3))
     for t in range(ticks):
         _balance_sheet(
-            points[t], accelerations[t], mass, point_segment, parent, feet, ankles[t], weight[t], force, moment, sole
+            points[t], accelerations[t], mass, point_segment, parent, feet, ankles[t], weight[t], force, moment
         )
         for h in range(len(hinge_segment)):
             s = hinge_segment[h]
-            o, f, m, axis = origins[t, s], force[s], moment[s], axes[t, h]
+            x, y, z = origins[t, s, 0], origins[t, s, 1], origins[t, s, 2]
             out[t, hinge_column[h]] = (
-                axis[0] * (m[0] - o[1] * f[2] + o[2] * f[1])
-                + axis[1] * (m[1] - o[2] * f[0] + o[0] * f[2])
-                + axis[2] * (m[2] - o[0] * f[1] + o[1] * f[0])
+                axes[t, h, 0] * (moment[s, 0] - y * force[s, 2] + z * force[s, 1])
+                + axes[t, h, 1] * (moment[s, 1] - z * force[s, 0] + x * force[s, 2])
+                + axes[t, h, 2] * (moment[s, 2] - x * force[s, 1] + y * force[s, 0])
             )
     return out
 
