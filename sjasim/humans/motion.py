@@ -249,7 +249,10 @@ class Planner:
         placed = masses(self._chains, joints, pelvis, yaw)
         real = np.asarray(self._share @ placed[2])[:, :2]
         r.joints[span], r.pelvis[span], r.weight[span], self._com[span] = joints, pelvis, weight, com
-        r.dcm[span] = real + np.gradient(real, self._dt, axis=0) / self._omega
+        rate = np.empty_like(real)
+        rate[1:-1] = (real[2:] - real[:-2]) / (2.0 * self._dt)
+        rate[0], rate[-1] = (real[1] - real[0]) / self._dt, (real[-1] - real[-2]) / self._dt
+        r.dcm[span] = real + rate / self._omega
         r.torque[span] = hinge_torques(self._chains, placed, ankles, weight, self._dt)
 
 
