@@ -1,18 +1,24 @@
-"""Who dances: the human timing model that a session's configuration names."""
+"""Who dances: the human timing model that a configuration names, their builds, what they feel and what befalls them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+
+import numpy as np
 
 from .choreography.score import Timetable
 from .clock import stream
-from .config import SessionConfig
+from .config import FaultConfig, SessionConfig
 from .errors import ConfigError, PluginError
+from .humans.anatomy import Build
 from .humans.parameters import preset, read_parameters
 from .humans.replay import Replay
 from .humans.timing import EnsembleTiming, HumanTiming
+from .logs import AgentEvent
 from .record.event_table import read_event_table
 from .registry import resolve
+from .types import Cue, Kind
 
 REPLAY = "replay:"
 """What stands before the file of recorded events."""
@@ -55,3 +61,43 @@ def _replay(source: str, timetable: Timetable, group: int) -> Replay:
         allowed = f"one session of the table: {', '.join(f'{REPLAY}{file}#{session}' for session in sessions)}"
         raise ConfigError("humans", REPLAY + source, allowed)
     return Replay([event for event in events if event.session == wanted], file, timetable, group)
+
+
+def felt_error_s(cues: Sequence[Cue], robot_events: Sequence[AgentEvent]) -> float | None:
+    """Mean distance from each robot event to the dancers' mean time of the nearest move of its kind [s].
+
+    None where nobody moved or the robot did not.
+    """
+    times: dict[tuple[Kind, int], list[float]] = {}
+    for cue in cues:
+        for kind, t_s in cue.events():
+            times.setdefault((kind, cue.ordinal), []).append(t_s)
+    errors = []
+    for event in robot_events:
+        kind = Kind.CLAP if event.kind is Kind.TURN else event.kind
+        means = [float(np.mean(values)) for (other, _), values in times.items() if other is kind]
+        if means:
+            errors.append(min(abs(event.t_s - mean) for mean in means))
+    return float(np.mean(errors)) if errors else None
+
+
+def person(config: SessionConfig, index: int) -> Build:
+    """Who stands in a slot: the same under every method."""
+    rng = stream(config.seed, "humans", "person", index)
+    stature = rng.uniform(*config.body.stature_m)
+    return Build(float(stature), float(rng.uniform(*config.body.mass_kg)))
+
+
+def performed_cues(cues: tuple[Cue, ...], faults: Sequence[FaultConfig]) -> tuple[Cue, ...]:
+    """Cues as they are performed by a dancer who is made late or made to stop."""
+    out = cues
+    for fault in faults:
+        if fault.kind == "dancer_late":
+            out = tuple(cue.delayed(fault.value) if _hit(cue, fault) else cue for cue in out)
+        elif fault.kind == "dancer_stops":
+            out = tuple(cue for cue in out if not _hit(cue, fault))
+    return out
+
+
+def _hit(cue: Cue, fault: FaultConfig) -> bool:
+    return cue.dancer == fault.target and cue.t_s >= fault.t_s

@@ -18,7 +18,6 @@ from .choreography.layout import Layout
 from .choreography.score import Timetable
 from .clock import DeviceClock, Task, stream
 from .config import FaultConfig, SessionConfig
-from .humans.anatomy import Build
 from .humans.balance import Balance
 from .humans.body import body_model
 from .humans.motion import PREVIEW_S, Planner
@@ -27,7 +26,7 @@ from .humans.replay import Replay
 from .humans.timing import SOONEST_S
 from .ledger import Ledger
 from .logs import AgentEvent, Notice
-from .people import people
+from .people import felt_error_s, people, performed_cues, person
 from .registry import resolve
 from .robot.executor import Executor
 from .robot.odometry import Odometry, RobotEventDetector
@@ -139,7 +138,7 @@ class PhysicsWorld:
     def _dance(self, config: SessionConfig, timetable: Timetable, layout: Layout, robot: bool) -> None:
         heading = timetable.heading_rad(timetable.first)
         rate = config.stage.balance_hz
-        builds = [_person(config, index) for index in range(config.group)]
+        builds = [person(config, index) for index in range(config.group)]
         self._anatomies = [body_model(config.body.model).anatomy(build) for build in builds]
         self.reference = reference = Reference.empty(config.group, math.ceil((self.end_s + 1.0) * rate) + 1)
         turn = timetable.choreography.turn_rad
@@ -316,7 +315,7 @@ class PhysicsWorld:
         for index, cues in enumerate(drawn):
             if self._fallen[index] or not cues:
                 continue
-            performed = _with_faults(cues, self._faults)
+            performed = performed_cues(cues, self._faults)
             self._decided[index].extend(performed)
             self.cues.extend(performed)
             if performed:
@@ -359,46 +358,6 @@ class PhysicsWorld:
         )
 
 
-def felt_error_s(cues: Sequence[Cue], robot_events: Sequence[AgentEvent]) -> float | None:
-    """Mean distance from each robot event to the dancers' mean time of the nearest move of its kind [s].
-
-    None where nobody moved or the robot did not.
-    """
-    times: dict[tuple[Kind, int], list[float]] = {}
-    for cue in cues:
-        for kind, t_s in cue.events():
-            times.setdefault((kind, cue.ordinal), []).append(t_s)
-    errors = []
-    for event in robot_events:
-        kind = Kind.CLAP if event.kind is Kind.TURN else event.kind
-        means = [float(np.mean(values)) for (other, _), values in times.items() if other is kind]
-        if means:
-            errors.append(min(abs(event.t_s - mean) for mean in means))
-    return float(np.mean(errors)) if errors else None
-
-
-def _person(config: SessionConfig, index: int) -> Build:
-    """Who stands in a slot: the same under every method."""
-    rng = stream(config.seed, "humans", "person", index)
-    stature = rng.uniform(*config.body.stature_m)
-    return Build(float(stature), float(rng.uniform(*config.body.mass_kg)))
-
-
-def _with_faults(cues: tuple[Cue, ...], faults: Sequence[FaultConfig]) -> tuple[Cue, ...]:
-    """Cues as they are performed by a dancer who is made late or made to stop."""
-    out = cues
-    for fault in faults:
-        if fault.kind == "dancer_late":
-            out = tuple(cue.delayed(fault.value) if _hit(cue, fault) else cue for cue in out)
-        elif fault.kind == "dancer_stops":
-            out = tuple(cue for cue in out if not _hit(cue, fault))
-    return out
-
-
 def _first_s(faults: Sequence[FaultConfig], kind: str) -> float:
     """When the first fault of a kind begins; infinite without one."""
     return min((fault.t_s for fault in faults if fault.kind == kind), default=math.inf)
-
-
-def _hit(cue: Cue, fault: FaultConfig) -> bool:
-    return cue.dancer == fault.target and cue.t_s >= fault.t_s

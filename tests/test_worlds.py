@@ -9,8 +9,9 @@ from sjasim.choreography.timetable import timetable
 from sjasim.config import DanceConfig, FaultConfig, SessionConfig
 from sjasim.humans.motion import PREVIEW_S, Planner
 from sjasim.logs import AgentEvent
+from sjasim.people import felt_error_s
 from sjasim.types import ROBOT, ClientStatus, Cue, Kind, Move, SyncRequest
-from sjasim.worlds import PhysicsWorld, felt_error_s
+from sjasim.worlds import PhysicsWorld
 
 CONFIG = SessionConfig(humans="metronomic", iterations=1, dance=DanceConfig(rehearsal=False, lead_in_s=1.0))
 
