@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from .assets.names import (
     ACTUATED,
@@ -39,6 +40,8 @@ root's coordinates (6) and rates (6); ankles and hands (4); actuators of the pla
 others) and of the tether (5, -1 without one)."""
 LEFT_ANGLE, RIGHT_ANGLE, GYRO, BASE, LEFT_MOTOR, RIGHT_MOTOR = range(6)
 """The robot's addresses, last in `Stage.robot`: wheel angles, yaw rate, body and actuators."""
+_SHELL, _FLESH = 1, 2
+"""On whose side a geom is: the robot's or a dancer's; 0 for the floor."""
 _LOGGED = [JOINT_INDEX[name] for name in ("AnkleLeft", "AnkleRight", "HandLeft", "HandRight")]
 
 
@@ -127,6 +130,15 @@ def command(targets: Array, where: IntArray, ctrl: Array) -> None:
                 ctrl[actuator] = targets[d, k]
 
 
+@njit(cache=True)
+def _meet(pairs: NDArray[np.int32], side: NDArray[np.int8]) -> BoolArray:
+    """(C,) which contacts (C, 2) are of the robot with a dancer."""
+    out = np.empty(len(pairs), dtype=np.bool_)
+    for k in range(len(pairs)):
+        out[k] = side[pairs[k, 0]] + side[pairs[k, 1]] == _SHELL + _FLESH
+    return out
+
+
 class Stage:
     """Physics of one session. Sensors see it through the read-only part that `types.StageView` names.
 
@@ -209,10 +221,10 @@ class Stage:
         )  # fmt: skip
         owner = np.full(m.ngeom, -1, dtype=np.int64)
         names = [m.geom(geom).name for geom in range(m.ngeom)]
-        self._shell = np.array([name.startswith(ROBOT_PREFIX) for name in names])
+        self._side = np.array([_SHELL * name.startswith(ROBOT_PREFIX) for name in names], dtype=np.int8)
         for index, prefix in enumerate(prefixes):
             owner[[name.startswith(prefix) for name in names]] = index
-        self._flesh = owner >= 0
+        self._side[owner >= 0] = _FLESH
         self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
         self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
         self._form, self._size = m.geom_type[self._solid].astype(np.int64), m.geom_size[self._solid]
@@ -348,14 +360,12 @@ class Stage:
 
     def bumped(self) -> bool:
         """Whether the robot touches a dancer at this moment."""
-        first, second = self.data.contact.geom.T
-        return bool(((self._shell[first] & self._flesh[second]) | (self._flesh[first] & self._shell[second])).any())
+        return bool(_meet(self.data.contact.geom, self._side).any())
 
     def impact_n(self) -> float:
         """How hard the robot and dancers press on each other at this moment: the sum of their contacts' forces [N]."""
         contact = self.data.contact
-        first, second = contact.geom.T
-        touch = (self._shell[first] & self._flesh[second]) | (self._flesh[first] & self._shell[second])
+        touch = _meet(contact.geom, self._side)
         starts = contact.efc_address[touch & (contact.efc_address >= 0)]
         return float(sum(self.data.efc_force[start : start + 4].sum() for start in starts))
 

@@ -56,6 +56,9 @@ STALL_M_S, STALL_RAD_S = 0.05, 0.2
 LONGEST_STEP_S = 0.1
 """Ramps never take a longer stride than this after a gap in the samples; assumed."""
 
+SETTLE_MAX_M_S = 0.09
+"""Fastest that a robot told to stop may settle at: no move to odometry (.10 m/s)."""
+
 NOTHING, STOP, FORWARD, BACKWARD, TURN, DRIVE = range(6)
 """What the base is doing; nothing before the first command and after a turn."""
 
@@ -90,7 +93,8 @@ def steer(belief: Array, limits: Array, work: Array) -> None:
         work[FRESH] = 0.0
         if work[MOVE] != TURN and abs(work[AIM] - belief[HEADING]) > HOLD_REACH_RAD:
             work[AIM] = belief[HEADING]
-    late = work[MOVE] > STOP and t - work[HEARD] > limits[PATIENCE_S]
+    under_way = work[MOVE] > STOP or (work[MOVE] == STOP and work[ORDERED] != 0.0)
+    late = under_way and t - work[HEARD] > limits[PATIENCE_S]
     work[TIMED_OUT] = 1.0 if late else 0.0
     speed, yaw = (0.0, 0.0) if late else _wanted(belief, limits, work)
     work[SPEED] = _toward(work[SPEED], speed, limits[PER_S] * interval)
@@ -119,10 +123,9 @@ def _wanted(belief: Array, limits: Array, work: Array) -> tuple[float, float]:
         return 0.0, _turn_rate(off, limits, work)
     if move == DRIVE:
         return _limited(work[ORDERED], limits[TOP]), _limited(work[ORDERED_YAW], limits[SPIN])
-    speed = 0.0
+    speed = _limited(work[ORDERED], SETTLE_MAX_M_S if move == STOP else limits[TOP])
     if move != STOP:
-        speed = min(abs(work[ORDERED]), limits[TOP])
-        speed = -speed if move == BACKWARD else speed
+        speed = -abs(speed) if move == BACKWARD else abs(speed)
     if speed == 0.0 and work[SPEED] == 0.0 and abs(off) < AIMED_RAD:
         return 0.0, 0.0
     return speed, _limited(HOLD_PER_S * off, HOLD_MAX_RAD_S)
@@ -153,8 +156,8 @@ class Executor:
     """Carries out move commands, one at a time; a higher number replaces a lower one after its own dead time.
 
     A copy of the one under way may carry another speed, which is taken at once. A base that hears nothing for
-    ``command_timeout_s`` during a move ramps to a stop; a copy of the command that arrives later lets it go on. A
-    finished turn and a stop have nothing to time out.
+    ``command_timeout_s`` during a move, or while it settles after a stop, ramps to a stop; a copy of the command that
+    arrives later lets it go on. A finished turn and a mere stop have nothing to time out.
 
     Args:
         config: dead time, limits and time-out.
