@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from .assets.names import (
     FLOOR_BIT,
@@ -32,6 +33,8 @@ _FLOOR = (0.74, 0.72, 0.69), (0.66, 0.64, 0.61)
 _SKY = (0.80, 0.86, 0.92), (0.97, 0.97, 0.96)
 LYING_ARMATURE, LYING_DAMPING = 0.5, 20.0
 """Inertia [kg m^2] and damping [Nm s/rad] about a lying body's three axes, two of which may be one (assumed)."""
+_SHELL, _FLESH = 1, 2
+"""On whose side a geom is: the robot's or a dancer's; 0 for the floor."""
 _LOGGED = [JOINT_INDEX[name] for name in ("AnkleLeft", "AnkleRight", "HandLeft", "HandRight")]
 
 
@@ -96,6 +99,15 @@ def _gather(
         for k in range(5):
             row[30 + k] = forces[at[17 + k]] if at[17 + k] >= 0 else 0.0
         row[35] = load[d]
+
+
+@njit(cache=True)
+def _meet(pairs: NDArray[np.int32], side: NDArray[np.int8]) -> BoolArray:
+    """(C,) which contacts (C, 2) are of the robot with a dancer."""
+    out = np.empty(len(pairs), dtype=np.bool_)
+    for k in range(len(pairs)):
+        out[k] = side[pairs[k, 0]] + side[pairs[k, 1]] == _SHELL + _FLESH
+    return out
 
 
 class Stage:
@@ -167,10 +179,10 @@ class Stage:
         self._lift, self._load = root_dof[:, 2].copy(), np.zeros(dancers)
         owner = np.full(m.ngeom, -1, dtype=np.int64)
         names = [m.geom(geom).name for geom in range(m.ngeom)]
-        self._shell = np.array([name.startswith(ROBOT_PREFIX) for name in names])
+        self._side = np.array([_SHELL * name.startswith(ROBOT_PREFIX) for name in names], dtype=np.int8)
         for index, prefix in enumerate(prefixes):
             owner[[name.startswith(prefix) for name in names]] = index
-        self._flesh = owner >= 0
+        self._side[owner >= 0] = _FLESH
         self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
         self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
         self._form, self._size = m.geom_type[self._solid].astype(np.int64), m.geom_size[self._solid]
@@ -308,14 +320,12 @@ class Stage:
 
     def bumped(self) -> bool:
         """Whether the robot touches a dancer at this moment."""
-        first, second = self.data.contact.geom.T
-        return bool(((self._shell[first] & self._flesh[second]) | (self._flesh[first] & self._shell[second])).any())
+        return bool(_meet(self.data.contact.geom, self._side).any())
 
     def impact_n(self) -> float:
         """How hard the robot and dancers press on each other at this moment: the sum of their contacts' forces [N]."""
         contact = self.data.contact
-        first, second = contact.geom.T
-        touch = (self._shell[first] & self._flesh[second]) | (self._flesh[first] & self._shell[second])
+        touch = _meet(contact.geom, self._side)
         starts = contact.efc_address[touch & (contact.efc_address >= 0)]
         return float(sum(self.data.efc_force[start : start + 4].sum() for start in starts))
 

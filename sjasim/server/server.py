@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
@@ -102,9 +103,9 @@ class Server:
         """
         return self._clocks[sensor].session_time(t_device_s)
 
-    def name(self, sensor: str, person: int) -> str | None:
-        """Cast name of a sensor's person; None for somebody unknown."""
-        return self._persons.name(sensor, person)
+    def known(self, sensor: str) -> Mapping[int, int]:
+        """A sensor's persons by their places in the cast; a report brings another mapping and leaves this as it is."""
+        return self._persons.known(sensor)
 
     def receive(self, t_arrival_s: float, message: ClientMessage) -> list[Event]:
         """Take in a client's message.

@@ -102,7 +102,7 @@ def test_the_environments_stand_on_sjasim_and_gymnasium(module):
     found = {node.module or "" for node in ast.walk(module.tree) if isinstance(node, ast.ImportFrom) and not node.level}
     found |= {alias.name for node in ast.walk(module.tree) if isinstance(node, ast.Import) for alias in node.names}
     rooms = {name.partition(".")[0] for name in found}
-    assert rooms <= {"sjasim", "gymnasium", "numpy", *sys.stdlib_module_names}
+    assert rooms <= {"sjasim", "gymnasium", "numpy", "numba", *sys.stdlib_module_names}
     assert not {name for name in found if name.startswith(("sjasim.run", "sjasim.study", "sjasim.interop"))}
     if module.path.name == "__init__.py":
         assert rooms <= {"gymnasium", "__future__"}
