@@ -27,7 +27,18 @@ from .humans.anatomy import Anatomy
 from .humans.body import BodyModel, body_model
 from .rays.hiding import shapes
 from .robot.body import robot_spec
-from .types import Array, DancerStates, Geoms, IntArray, JointTargets, Servos, Solids, WheelCommand, WheelReading
+from .types import (
+    Array,
+    BoolArray,
+    DancerStates,
+    Geoms,
+    IntArray,
+    JointTargets,
+    Servos,
+    Solids,
+    WheelCommand,
+    WheelReading,
+)
 
 _FLOOR = (0.74, 0.72, 0.69), (0.66, 0.64, 0.61)
 _SKY = (0.80, 0.86, 0.92), (0.97, 0.97, 0.96)
