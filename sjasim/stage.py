@@ -26,9 +26,18 @@ from .config import BodyConfig, RobotConfig, StageConfig
 from .errors import SjasimError
 from .humans.anatomy import Anatomy
 from .humans.body import BodyModel, body_model
-from .rays.hiding import hidden
+from .rays.hiding import shapes
 from .robot.body import robot_spec
-from .types import Array, BoolArray, DancerStates, Geoms, IntArray, Servos, WheelCommand
+from .types import (
+    Array,
+    BoolArray,
+    DancerStates,
+    Geoms,
+    IntArray,
+    Servos,
+    Solids,
+    WheelCommand,
+)
 
 _FLOOR = (0.74, 0.72, 0.69), (0.66, 0.64, 0.61)
 _SKY = (0.80, 0.86, 0.92), (0.97, 0.97, 0.96)
@@ -229,8 +238,9 @@ class Stage:
         self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
         self._form, self._size = m.geom_type[self._solid].astype(np.int64), m.geom_size[self._solid]
         self._owner, self._solid_owner = owner, owner[self._solid]
-        self._hiding = np.column_stack([self._solid, self._solid_owner, self._form])
-        self._hiding_size = np.column_stack([self._size, m.geom_rbound[self._solid]])
+        rows = np.column_stack([self._solid, self._solid_owner, self._form])
+        self.solids = Solids(rows, shapes(self._form, self._size), self._positions, self._rotations)
+        """All that can hide something; see `types.StageView`."""
         if self.has_robot:
             wheels = [f"{ROBOT_PREFIX}{name}" for name in ("wheel_l", "wheel_r")]
             self._wheels = [m.actuator(name).id for name in wheels]
@@ -345,14 +355,6 @@ class Stage:
         """Everything visible, at this instant; see `types.StageView`."""
         rotation = self._rotations[self._solid].reshape(-1, 3, 3)
         return Geoms(self._form, self._size, self._positions[self._solid], rotation, self._solid_owner)
-
-    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: Array) -> BoolArray:
-        """Which points (N, 3) something hides from an eye; see `types.StageView`."""
-        out = np.empty(len(points), dtype=bool)
-        hidden(
-            origin, points, whose, flesh_m, self._hiding, self._hiding_size, self._positions, self._rotations, out,
-        )  # fmt: skip
-        return out
 
     def height_m(self, dancer: int) -> float:
         """Height of a dancer's pelvis [m]."""

@@ -5,7 +5,7 @@ simulation time for what the world logs, the server's estimate of it for an `Eve
 uncorrected device clock, ``t_arrival_s`` is session time at the receiver.
 """
 
-from .bodies import Cue, DancerStates, Geoms, Servos, StageView
+from .bodies import Cue, DancerStates, Geoms, Servos, Solids, StageView
 from .devices import (
     ClientOrder,
     ClientStatus,
@@ -59,6 +59,7 @@ __all__ = [
     "Servos",
     "SkeletonFrame",
     "Skeletons",
+    "Solids",
     "StageView",
     "SyncReply",
     "SyncRequest",
