@@ -29,7 +29,7 @@ SAME_M = 0.30
 """Two persons cannot stand closer than this; the younger is a mistake (assumed)."""
 RELAX_S = 0.30
 """Time constant with which a hidden joint goes where the rest of the posture says (assumed)."""
-SETTLE_TRUNK_S, SETTLE_LIMB_S = 0.40, 0.07
+SETTLE_TRUNK_S, SETTLE_LIMB_S = 0.40, 0.02
 """Time constants with which a joint that comes back into sight goes where it is seen: a trunk that jumped would look
 like a step (assumed)."""
 SETTLED_M = 0.03
@@ -57,8 +57,9 @@ LEARN_S, LEARN_SPIN_RAD_S = 1.5, 0.4
 (assumed)."""
 TOUCH_M, CLASP_S = 0.16, 0.4
 """Hands that were seen closer than this hide each other, and are known for so long all the same (assumed)."""
-HOLD_S, HOLD_M = 0.08, 0.15
-"""A joint that was tracked is for so long without support, while it is found this near to its prediction (assumed)."""
+HOLD_S, WEAK_S, HOLD_M = 0.08, 0.4, 0.15
+"""A joint that was tracked is for so long without a vote, and for so long with too few, while it is found this near to
+its prediction (assumed)."""
 CROWN = 0.965
 """Height of the crown over stature, as pixels show it standing."""
 STATURE_M = (1.35, 2.10)
@@ -93,8 +94,9 @@ def near(one: Array, other: Array, limit_m: float) -> bool:
 
 @njit(cache=True)
 def _hold(
-    joints: Array, before: Array, state: NDArray[np.int8], interval_s: float, unseen_s: Array, seen: posture.Seen
-) -> None:
+    joints: Array, before: Array, state: NDArray[np.int8], weak: posture.Seen, interval_s: float, unseen_s: Array,
+    seen: posture.Seen,
+) -> None:  # fmt: skip
     """See `Person.hold`; ``before`` are the joints as predicted."""
     limit_s = np.full(len(seen), HOLD_S)
     for left, right in HANDS:
@@ -102,8 +104,8 @@ def _hold(
             limit_s[left] = limit_s[right] = CLASP_S
     for j in range(len(seen)):
         unseen_s[j] = 0.0 if seen[j] else unseen_s[j] + interval_s
-        if state[j] == TRACKED and unseen_s[j] < limit_s[j] and near(joints[j], before[j], HOLD_M):
-            seen[j] = True
+        if state[j] == TRACKED and near(joints[j], before[j], HOLD_M):
+            seen[j] = seen[j] or unseen_s[j] < (WEAK_S if weak[j] else limit_s[j])
 
 
 @njit(cache=True)
@@ -249,7 +251,7 @@ class Person:
         state = INFERRED if self.missing_s <= INFER_S else NOT_TRACKED
         self.state = np.where(np.isnan(self.joints[:, 0]), NOT_TRACKED, state).astype(np.int8)
 
-    def hold(self, joints: Array, seen: posture.Seen, interval_s: float) -> None:
+    def hold(self, joints: Array, seen: posture.Seen, weak: posture.Seen, interval_s: float) -> None:
         """Count joints as seen that lack support for a moment only, and hands that touch for longer.
 
         Hands that touch hide each other's surface, and neither goes far.
@@ -257,9 +259,10 @@ class Person:
         Args:
             joints: (25, 3) where votes agree.
             seen: (25,) which of them are supported; changed in place.
+            weak: (25,) for which of them there is a vote at all.
             interval_s: since the last frame.
         """
-        _hold(joints, self.joints, self.state, interval_s, self.unseen_s, seen)
+        _hold(joints, self.joints, self.state, weak, interval_s, self.unseen_s, seen)
 
     def see(self, joints: Array, seen: NDArray[np.bool_], weights: Array, mean: Array, interval_s: float) -> None:
         """Take in a frame's joints.
