@@ -69,9 +69,9 @@ class Client:
     clock of that moment, never back-dated. Told to watch, the client takes every frame and sends events; told to
     assist, it takes every frame and sends only claps that it sees from the side; idle, it takes ``idle_hz`` frames a
     second, at moments when a status report is due, and its other reports are mere signs of life. A status that is due
-    with a lost frame goes out with the next one taken. Going from idle to watching, its detectors begin anew: everyone must first be seen standing and
-    facing the sensor, so that a hand-over amid a turn gives no event of its own. Events of frames taken before the
-    order, or ready after an order to idle, are not sent.
+    with a lost frame goes out with the next one taken. Going from idle to watching, its detectors begin anew: everyone
+    must first be seen standing and facing the sensor, so that a hand-over amid a turn gives no event of its own. Events
+    of frames taken before the order, or ready after an order to idle, are not sent.
 
     Args:
         mount: where the sensor is; with it, statuses are in world coordinates.
