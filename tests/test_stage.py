@@ -91,9 +91,9 @@ def test_a_robot_that_is_not_driven_stays_put():
     x, y, heading = stage.robot_pose()
     assert (x, y) == pytest.approx(tuple(_robot_slot()), abs=2e-3)
     assert heading == pytest.approx(np.pi / 2, abs=5e-3)
-    reading = stage.wheels()
-    assert (reading.left_rad, reading.right_rad) == pytest.approx((0.0, 0.0), abs=0.05)
-    assert reading.yaw_rate_rad_s == pytest.approx(0.0, abs=0.02)
+    qpos, sensed, _, _, where = stage.robot
+    assert qpos[where[:2]] == pytest.approx((0.0, 0.0), abs=0.05)
+    assert sensed[where[2]] == pytest.approx(0.0, abs=0.02)
 
 
 def _robot_slot():

@@ -2,13 +2,13 @@
 
 Forward is towards the sensor. Nothing here knows the choreography. What the rules add to the bare thresholds:
 
-* Motion counts only while the person faces the sensor, or turns their back to it, within `motion.FACING_RAD`; a clap only
-  face to face. Someone who stands sideways gives no event, and a move during which a person turns away gets no stop.
-  Seen from behind, too, forward is towards the sensor: who knows where people face has to exchange the kinds.
-* After a reset, after facing the sensor anew, and after having been out of sight for `motion.LOST_S`, a person must first be
-  seen standing; a motion already under way gives no event. Whoever comes back into sight still in the same move goes
-  on with it; a stop or a start that happened out of sight is nobody's event, since its time is not known. While a
-  person turns faster than `motion.TURNING_RAD_S` the times that arm the start events begin anew.
+* Motion counts only while the person faces the sensor, or turns their back to it, within `motion.FACING_RAD`; a clap
+  only face to face. Someone who stands sideways gives no event, and a move during which a person turns away gets no
+  stop. Seen from behind, too, forward is towards the sensor: who knows where people face has to exchange the kinds.
+* After a reset, after facing the sensor anew, and after having been out of sight for `motion.LOST_S`, a person must
+  first be seen standing; a motion already under way gives no event. Whoever comes back into sight still in the same
+  move goes on with it; a stop or a start that happened out of sight is nobody's event, since its time is not known.
+  While a person turns faster than `motion.TURNING_RAD_S` the times that arm the start events begin anew.
 * A SpineBase that is inferred serves the regular events. Early events count tracked joints only, since errors of
   inferred ones exceed the floor. A clap needs both hands tracked until shortly before they meet, where they hide
   each other: a hand the sensor cannot see is worth some 10 cm of error, and a guessed clap is worse than a lost one.

@@ -43,18 +43,6 @@ class Cue:
         return replace(self, t_s=self.t_s + by_s)
 
 
-class JointTargets(NamedTuple):
-    """Actuator targets of all dancers for one control tick (in the order of the cast).
-
-    Attributes:
-        joints: (D, 25) hinge targets with velocity feed-forward included [rad].
-        root: (D, 5) tether targets x, y [m], yaw, pitch, roll [rad], feed-forward included.
-    """
-
-    joints: Array
-    root: Array
-
-
 class DancerStates(NamedTuple):
     """The state of every dancer at one tick: what the balance controller feels, and what is logged beside it.
 
