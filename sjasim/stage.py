@@ -102,6 +102,27 @@ def _gather(
 
 
 @njit(cache=True)
+def _near(positions: Array, bounds: Array, com: Array, body: int, reach_m: float) -> bool:
+    """Whether a ball about one of the geoms reaches into one about a body.
+
+    Args:
+        positions: (G, 3) of the geoms [m].
+        bounds: (G,) radii of the balls about them; negative for those that do not count [m].
+        com: (B, 3) where the centre of mass of each body and its children is [m].
+        body: whose is the middle of the other ball.
+        reach_m: its radius.
+    """
+    for k in range(len(bounds)):
+        if bounds[k] >= 0.0:
+            square = 0.0
+            for axis in range(3):
+                square += (positions[k, axis] - com[body, axis]) ** 2
+            if square <= (bounds[k] + reach_m) ** 2:
+                return True
+    return False
+
+
+@njit(cache=True)
 def _meet(pairs: NDArray[np.int32], side: NDArray[np.int8]) -> BoolArray:
     """(C,) which contacts (C, 2) are of the robot with a dancer."""
     out = np.empty(len(pairs), dtype=np.bool_)
@@ -154,6 +175,10 @@ class Stage:
         self.has_robot = robot is not None
         self._index(len(anatomies), body.tether == "weak")
         self._place(headings_rad, postures, pelvises)
+        shell = np.flatnonzero(self._side == _SHELL)
+        if self.has_robot:
+            away_m = np.sqrt(((d.geom_xpos[shell] - d.subtree_com[self._base]) ** 2).sum(axis=1))
+            self._hull_m = float((away_m + self.model.geom_rbound[shell]).max())
         leads = self._leads()
         weight = self.model.body_subtreemass[self._pelvis] * 9.81
         leg = np.array([anatomy.thigh_m + anatomy.shank_m for anatomy in anatomies])
@@ -191,6 +216,7 @@ class Stage:
         self._hiding_size = np.column_stack([self._size, m.geom_rbound[self._solid]])
         if self.has_robot:
             self._base = m.body(f"{ROBOT_PREFIX}base").id
+            self._bounds = np.where(self._side == _FLESH, m.geom_rbound, -1.0)
             self._wheels = [m.actuator(f"{ROBOT_PREFIX}{name}").id for name in ("wheel_l", "wheel_r")]
             self._wheel_angles = [m.joint(f"{ROBOT_PREFIX}{name}").qposadr[0] for name in ("wheel_l", "wheel_r")]
             self._gyro = m.sensor(f"{ROBOT_PREFIX}gyro").adr[0] + 2
@@ -327,6 +353,8 @@ class Stage:
 
     def bumped(self) -> bool:
         """Whether the robot touches a dancer at this moment."""
+        if not _near(self._positions, self._bounds, self._com, self._base, self._hull_m):
+            return False
         return bool(_meet(self.data.contact.geom, self._side).any())
 
     def impact_n(self) -> float:
