@@ -107,7 +107,7 @@ def test_it_bumps_where_a_contact_says_so():
     pelvis, at = stage.states().root[0, :2], stage.model.joint("robot/root").qposadr[0]
     touched = []
     for away_m in np.arange(0.8, 0.0, -0.02):
-        stage.data.qpos[at : at + 2] = pelvis + [0.0, away_m]
+        stage.data.qpos[at : at + 2] = pelvis[0], pelvis[1] + away_m
         mujoco.mj_forward(stage.model, stage.data)
         names = [[stage.model.geom(geom).name.partition("/")[0] for geom in one.geom] for one in stage.data.contact]
         touched.append(any({"robot", "dancer_1"} == set(pair) for pair in names))
