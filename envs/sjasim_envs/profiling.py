@@ -35,7 +35,7 @@ def profile_env() -> dict[str, Any]:
     Returns:
         ``env_steps``, ``env_cpu_s`` and ``env_raw_cpu_s``.
     """
-    env = _begun()
+    env: Any = _begun()
     session = env.unwrapped.session
     stage, count = session.world.stage, int(session.end_s * 30)
     start = (stage.data.qpos.copy(), stage.data.qvel.copy())

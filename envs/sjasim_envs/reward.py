@@ -196,7 +196,7 @@ class Scorer:
     def _look(self, now: float, interval_s: float) -> None:
         """Judge where the robot is, and whom it touches."""
         config, stage = self.config, self.session.world.stage
-        if stage.bumped():
+        if stage.contacts.bumped():
             self.terms["reward_collision"] -= config.collision * interval_s
         if now > self._until_s:
             self._face(now)

@@ -12,11 +12,11 @@ from .source import Import, Module, imports, modules, skin
 
 LEVELS = {
     **dict.fromkeys(("types", "tempo", "answers", "logs", "errors"), 0),
-    **dict.fromkeys(("registry", "clock", "link", "rays"), 1),
+    **dict.fromkeys(("registry", "clock", "link", "rays", "contacts"), 1),
     **dict.fromkeys(("config", "config_io"), 2),
     **dict.fromkeys(("choreography", "assets"), 3),
     **dict.fromkeys(("humans", "robot", "sensors", "server", "anticipation", "record"), 4),
-    **dict.fromkeys(("stage", "ledger", "render", "window", "people", "worlds", "analysis"), 5),
+    **dict.fromkeys(("stage", "ledger", "turns", "render", "window", "people", "worlds", "analysis"), 5),
     "session": 6,
 }
 """Room -> level; every other top-level module is a command line or a study, at level 7."""
@@ -29,7 +29,8 @@ SAME_LEVEL = {
     ("config_io", "config"),
     ("choreography", "assets"),
     ("render", "stage"), ("window", "render"), ("window", "stage"),
-    ("ledger", "stage"), ("worlds", "stage"), ("worlds", "ledger"), ("worlds", "people"),
+    ("ledger", "stage"), ("turns", "stage"), ("turns", "ledger"), ("worlds", "turns"),
+    ("worlds", "stage"), ("worlds", "ledger"), ("worlds", "people"),
 }  # fmt: skip
 """(room, room of the same level that it may import)."""
 
