@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from .assets.names import (
     ACTUATED,
@@ -23,6 +22,7 @@ from .assets.names import (
 from .choreography.layout import Layout
 from .clock import Ticks
 from .config import BodyConfig, RobotConfig, StageConfig
+from .contacts import Contacts
 from .errors import SjasimError
 from .humans.anatomy import Anatomy
 from .humans.body import BodyModel, body_model
@@ -30,7 +30,6 @@ from .rays.hiding import shapes
 from .robot.body import robot_spec
 from .types import (
     Array,
-    BoolArray,
     DancerStates,
     Geoms,
     IntArray,
@@ -49,8 +48,6 @@ root's coordinates (6) and rates (6); ankles and hands (4); actuators of the pla
 others) and of the tether (5, -1 without one)."""
 LEFT_ANGLE, RIGHT_ANGLE, GYRO, BASE, LEFT_MOTOR, RIGHT_MOTOR = range(6)
 """The robot's addresses, last in `Stage.robot`: wheel angles, yaw rate, body and actuators."""
-_SHELL, _FLESH = 1, 2
-"""On whose side a geom is: the robot's or a dancer's; 0 for the floor."""
 _LOGGED = [JOINT_INDEX[name] for name in ("AnkleLeft", "AnkleRight", "HandLeft", "HandRight")]
 
 
@@ -139,15 +136,6 @@ def command(targets: Array, where: IntArray, ctrl: Array) -> None:
                 ctrl[actuator] = targets[d, k]
 
 
-@njit(cache=True)
-def _meet(pairs: NDArray[np.int32], side: NDArray[np.int8]) -> BoolArray:
-    """(C,) which contacts (C, 2) are of the robot with a dancer."""
-    out = np.empty(len(pairs), dtype=np.bool_)
-    for k in range(len(pairs)):
-        out[k] = side[pairs[k, 0]] + side[pairs[k, 1]] == _SHELL + _FLESH
-    return out
-
-
 class Stage:
     """Physics of one session. Sensors see it through the read-only part that `types.StageView` names.
 
@@ -196,6 +184,8 @@ class Stage:
         self.has_robot = robot is not None
         self._index(len(anatomies), body.tether == "weak")
         self._place(headings_rad, postures, pelvises)
+        self.contacts = Contacts(self.model, d, self._shell, np.flatnonzero(self._owner >= 0), self._base)
+        """Where the robot touches dancers."""
         leads, pelvis = self._leads(), self.where[:, PELVIS]
         weight = self.model.body_subtreemass[pelvis] * 9.81
         leg = np.array([anatomy.thigh_m + anatomy.shank_m for anatomy in anatomies])
@@ -230,10 +220,9 @@ class Stage:
         )  # fmt: skip
         owner = np.full(m.ngeom, -1, dtype=np.int64)
         names = [m.geom(geom).name for geom in range(m.ngeom)]
-        self._side = np.array([_SHELL * name.startswith(ROBOT_PREFIX) for name in names], dtype=np.int8)
+        self._shell = np.flatnonzero([name.startswith(ROBOT_PREFIX) for name in names])
         for index, prefix in enumerate(prefixes):
             owner[[name.startswith(prefix) for name in names]] = index
-        self._side[owner >= 0] = _FLESH
         self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
         self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
         self._form, self._size = m.geom_type[self._solid].astype(np.int64), m.geom_size[self._solid]
@@ -241,10 +230,10 @@ class Stage:
         rows = np.column_stack([self._solid, self._solid_owner, self._form])
         self.solids = Solids(rows, shapes(self._form, self._size), self._positions, self._rotations)
         """All that can hide something; see `types.StageView`."""
+        self._base = m.body(f"{ROBOT_PREFIX}base").id if self.has_robot else 0
         if self.has_robot:
             wheels = [f"{ROBOT_PREFIX}{name}" for name in ("wheel_l", "wheel_r")]
             self._wheels = [m.actuator(name).id for name in wheels]
-            self._base = m.body(f"{ROBOT_PREFIX}base").id
             angles, gyro = [m.joint(name).qposadr[0] for name in wheels], m.sensor(f"{ROBOT_PREFIX}gyro").adr[0] + 2
             where = np.array([*angles, gyro, self._base, *self._wheels])
             self.robot = d.qpos, d.sensordata, d.xpos, d.xmat, where
@@ -359,17 +348,6 @@ class Stage:
     def height_m(self, dancer: int) -> float:
         """Height of a dancer's pelvis [m]."""
         return float(self._qpos.item(self._root.item(dancer, 2)))
-
-    def bumped(self) -> bool:
-        """Whether the robot touches a dancer at this moment."""
-        return bool(_meet(self.data.contact.geom, self._side).any())
-
-    def impact_n(self) -> float:
-        """How hard the robot and dancers press on each other at this moment: the sum of their contacts' forces [N]."""
-        contact = self.data.contact
-        touch = _meet(contact.geom, self._side)
-        starts = contact.efc_address[touch & (contact.efc_address >= 0)]
-        return float(sum(self.data.efc_force[start : start + 4].sum() for start in starts))
 
     def let_go(self, dancer: int) -> None:
         """A fallen dancer's muscles and tether go limp, and all of the body meets the floor."""

@@ -103,6 +103,19 @@ def _robot_slot():
     return layout("square", 1, RoomConfig(), SensorConfig()).robot
 
 
+def test_it_bumps_where_a_contact_says_so():
+    stage = floor(1, robot=RobotConfig()).stage
+    pelvis, at = stage.states().root[0, :2], stage.model.joint("robot/root").qposadr[0]
+    touched = []
+    for away_m in np.arange(0.8, 0.0, -0.02):
+        stage.data.qpos[at : at + 2] = pelvis[0], pelvis[1] + away_m
+        mujoco.mj_forward(stage.model, stage.data)
+        names = [[stage.model.geom(geom).name.partition("/")[0] for geom in one.geom] for one in stage.data.contact]
+        touched.append(any({"robot", "dancer_1"} == set(pair) for pair in names))
+        assert stage.contacts.bumped() == touched[-1]
+    assert (touched[0], touched[-1]) == (False, True)
+
+
 def test_who_is_let_go_falls_and_the_others_stand():
     dancing = floor(2, 8.0)
     dancing.run(0.5)

@@ -58,8 +58,8 @@ def parts(config: SessionConfig, steps: int, clients: int) -> dict[str, tuple[tu
 
 @njit(cache=True)
 def _write(
-    t_s: float, beat: float, last_s: Array, own_s: tuple[float, float], joints: Array, state: NDArray[np.int8],
-    order: IntArray, views: tuple[Row, Row, Row, Row, Row, Row],
+    t_s: float, beat: float, last_s: Array, sent_s: float, reported_s: float, joints: Array, state: NDArray[np.int8],
+    order: IntArray, starts: tuple[int, int, int, int, int, int], row: Row,
 ) -> None:  # fmt: skip
     """Write what is another at every instant.
 
@@ -67,26 +67,30 @@ def _write(
         t_s: session time.
         beat: of the iteration.
         last_s: as in `tell`.
-        own_s: when the command in force was sent, and when the robot reported last [s].
+        sent_s: when the command in force was sent.
+        reported_s: when the robot reported last.
         joints: (P, 25, 3) as in `Skeletons` [m].
         state: (P, 25) the same.
         order: (P,) place of each person in the cast; -1 for somebody unknown.
-        views: parts of the row: beat, event_age, joints and tracked whole, of command and robot the age alone.
+        starts: where in the row beat, event_age, joints and tracked begin, and where command and robot have an age.
+        row: (N,) to write.
     """
-    beats, ages, seen_m, tracked, sent, reported = views
-    tell(t_s, beat, last_s, beats, ages)
-    sent[0] = min(t_s - own_s[0], OLDEST_S)
-    reported[0] = min(t_s - own_s[1], OLDEST_S)
-    seen_m[:] = 0.0
-    tracked[:] = 0.0
+    beats, ages, seen_m, tracked, sent, reported = starts
+    tell(t_s, beat, last_s, row[beats:], row[ages:])
+    row[sent] = min(t_s - sent_s, OLDEST_S)
+    row[reported] = min(t_s - reported_s, OLDEST_S)
+    dancers = len(last_s)
+    row[seen_m : seen_m + dancers * _JOINTS * 3] = 0.0
+    row[tracked : tracked + dancers * _JOINTS] = 0.0
     for person, dancer in enumerate(order):
         if dancer < 0:
             continue
         for k in range(_JOINTS):
-            tracked[dancer * _JOINTS + k] = 0.5 * state[person, k]
+            place = dancer * _JOINTS + k
+            row[tracked + place] = 0.5 * state[person, k]
             for axis in range(3):
-                place_m = joints[person, k, axis]
-                seen_m[(dancer * _JOINTS + k) * 3 + axis] = 0.0 if math.isnan(place_m) else place_m
+                at_m = joints[person, k, axis]
+                row[seen_m + 3 * place + axis] = 0.0 if math.isnan(at_m) else at_m
 
 
 class Observer:
@@ -106,13 +110,13 @@ class Observer:
         self._limits = 2.0 * config.robot.max_speed_m_s, 2.0 * config.robot.max_yaw_rate_rad_s
         ends = np.cumsum([math.prod(shape) for shape, _, _ in self._parts.values()]).tolist()
         self._row: Row = np.zeros(ends[-1], dtype=np.float32)
-        flat = {
-            name: self._row[end - math.prod(shape) : end]
+        starts = dict(zip(self._parts, [0, *ends], strict=False))
+        self._views: dict[str, Row] = {
+            name: self._row[starts[name] : end].reshape(shape)
             for (name, (shape, _, _)), end in zip(self._parts.items(), ends, strict=True)
         }
-        self._views = {name: part.reshape(self._parts[name][0]) for name, part in flat.items()}
-        whole = tuple(flat[name] for name in ("beat", "event_age", "joints", "tracked"))
-        self._moving = *whole, flat["command"][_AGE : _AGE + 1], flat["robot"][_REPORTED:]
+        whole = tuple(starts[name] for name in ("beat", "event_age", "joints", "tracked"))
+        self._starts = *whole, starts["command"] + _AGE, starts["robot"] + _REPORTED
 
     @property
     def flat_space(self) -> spaces.Box:
@@ -173,8 +177,8 @@ class Observer:
             self._known, self._persons = known, seen.persons
             self._order = np.array([known.get(person, -1) for person in seen.persons.tolist()], dtype=np.int64)
         _write(
-            now, features.beat(now), features.last_s, (self._sent_s, self._reported_s), seen.joints, seen.state,
-            self._order, self._moving,
+            now, features.beat(now), features.last_s, self._sent_s, self._reported_s, seen.joints, seen.state,
+            self._order, self._starts, self._row,
         )  # fmt: skip
 
     def _hear(self) -> None:

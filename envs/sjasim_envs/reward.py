@@ -24,8 +24,8 @@ NOTHING = dict.fromkeys([f"reward_{term}" for term in ("timing", "missed", "spur
 SETTLED_S = 0.5
 """How long after a window's end an iteration is settled: by then every event of it has arrived."""
 
-TOUCH_S = 0.1
-"""How often it is looked whether robot and dancers touch; each look stands for the time since the last."""
+LOOK_S = 0.1
+"""How often it is looked where the robot is and whom it touches; each look stands for the time since the last."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,8 +89,7 @@ class Scorer:
     _told: int = 0
     _danced: int = 0
     _iteration: int = 1
-    _t_s: float = 0.0
-    _touched_s: float = 0.0
+    _looked_s: float = field(init=False)
     _settled_s: float = field(init=False)
     _until_s: float = -math.inf
     _ahead: tuple[float, float] = (0.0, 1.0)
@@ -113,7 +112,7 @@ class Scorer:
             self._ordinals.setdefault(step.kind, []).append(step.ordinal)
         self._settled_s = brief.window_end_s[1] + SETTLED_S
         self._slot = float(self.session.layout.robot[0]), float(self.session.layout.robot[1])
-        self._t_s = self._touched_s = self.session.time_s
+        self._looked_s = self.session.time_s
 
     def update(self) -> dict[str, object]:
         """Judge everything since the last time; `terms` holds what it earned.
@@ -133,8 +132,9 @@ class Scorer:
                 self._see(own)
             self._danced = len(danced)
         now = session.time_s
-        self._judge_place(now, now - self._t_s)
-        self._t_s = now
+        if now >= self._looked_s + LOOK_S - 1e-9:
+            self._look(now, now - self._looked_s)
+            self._looked_s = now
         return self._settle() if now >= self._settled_s else {}
 
     def _step(self, iteration: int, kind: Kind, after_s: float) -> int | None:
@@ -193,12 +193,11 @@ class Scorer:
                 self.terms["reward_missed"] -= self.config.missed
         return figures(self.session, iteration)
 
-    def _judge_place(self, now: float, interval_s: float) -> None:
+    def _look(self, now: float, interval_s: float) -> None:
+        """Judge where the robot is, and whom it touches."""
         config, stage = self.config, self.session.world.stage
-        if now >= self._touched_s + TOUCH_S - 1e-9:
-            if stage.bumped():
-                self.terms["reward_collision"] -= config.collision * (now - self._touched_s)
-            self._touched_s = now
+        if stage.contacts.bumped():
+            self.terms["reward_collision"] -= config.collision * interval_s
         if now > self._until_s:
             self._face(now)
         x, y, _ = stage.robot_pose()

@@ -82,6 +82,7 @@ class Features:
         self._history = History(brief, EPSILON_S)
         self._person = {name: index for index, name in enumerate(brief.cast)}
         self._until_s = -math.inf
+        self._first_beat = 0.0
         self.iteration = 0
         self.last_s = np.full((len(brief.cast), len(SYNCHRONY_KINDS), 2), -np.inf)
         self.last_iteration: Row = np.zeros((len(brief.cast), len(brief.steps)), dtype=np.float32)
@@ -102,6 +103,7 @@ class Features:
         brief = self._brief
         iteration = self.iteration = iteration_at(brief, t_s)
         self._until_s = brief.window_end_s[iteration] if iteration < brief.iterations else math.inf
+        self._first_beat = brief.music(brief.iteration_start_s[iteration])
         if iteration:
             late_s = np.nan_to_num(self._history.times(iteration - 1) - nominal_times(brief, iteration - 1))
             self.last_iteration = np.clip(late_s, -LATEST_S, LATEST_S).astype(np.float32)
@@ -109,7 +111,7 @@ class Features:
 
     def beat(self, t_s: float) -> float:
         """The beat of the iteration that has been reached."""
-        return self._brief.beat(self.iteration, t_s)
+        return self._brief.music(t_s) - self._first_beat
 
     def row(self, t_s: float, move: int, sent_s: float) -> Row:
         """(N,) everything a learned method is told.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
@@ -16,6 +16,7 @@ from ..types import (
     Event,
     Kind,
     MoveDuration,
+    PersonStatus,
     SyncReply,
     SyncRequest,
     dancer_name,
@@ -134,12 +135,8 @@ class Server:
             if jump:
                 self.notices.append(Notice(t_arrival_s, sensor, f"clock jumped by {jump:+.3f} s"))
             return []
-        t_s = self._plausible(sensor, message.t_device_s, t_arrival_s)
-        self._persons.update(sensor, t_s, message.persons)
-        self._active.report(t_arrival_s, message)
-        self.notices += self._active.choose(t_arrival_s)
-        if sensor == self._active.name:
-            self._assistance.saw(t_s, self._hands(message))
+        if message.persons is not None:
+            self._look(t_arrival_s, message, message.persons)
         return []
 
     def due(self, t_s: float) -> list[SyncRequest | ClientOrder]:
@@ -176,9 +173,18 @@ class Server:
                 self._sync_due_s[sensor] = due_s + (missed + 1) * self._sync_s
         self._sync_next_s = min(self._sync_due_s.values())
 
-    def _hands(self, status: ClientStatus) -> list[str]:
+    def _look(self, t_arrival_s: float, status: ClientStatus, persons: Sequence[PersonStatus]) -> None:
+        """Take in whom a client sees."""
+        t_s = self._plausible(status.sensor, status.t_device_s, t_arrival_s)
+        self._persons.update(status.sensor, t_s, persons)
+        self._active.report(t_arrival_s, status.sensor, persons)
+        self.notices += self._active.choose(t_arrival_s)
+        if status.sensor == self.active:
+            self._assistance.saw(t_s, self._hands(status.sensor, persons))
+
+    def _hands(self, sensor: str, persons: Sequence[PersonStatus]) -> list[str]:
         """Of whom a client sees both hands."""
-        names = (self._persons.name(status.sensor, one.person) for one in status.persons if one.hands == 1.0)
+        names = (self._persons.name(sensor, one.person) for one in persons if one.hands == 1.0)
         return [name for name in names if name is not None]
 
     def _helping(self, t_s: float) -> frozenset[str]:
