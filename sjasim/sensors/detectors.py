@@ -30,8 +30,8 @@ from .glimpse import GLIMPSE, look
 from .motion import EVENTS, FACING_RAD, NOTHING, judge, strangers
 from .thresholds import BASE_HZ, Record, Records, rules
 
-MEETING_S = 0.2
-"""How long the hands may be inferred as they meet: raised forearms and palms edge-on show little surface (assumed)."""
+MEETING_S = 0.1
+"""How long the hands may be inferred as they meet (assumed)."""
 
 CLAP = 3
 KINDS = {**EVENTS, CLAP: Kind.CLAP}

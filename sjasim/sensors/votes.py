@@ -160,7 +160,7 @@ def _cast_votes(
 
 @njit(cache=True, error_model="numpy", fastmath=True)
 def _pull(votes: Floats, n: int, joint: Array, wide_m: float, pull: Array) -> None:
-    """Write what the votes near a joint pull it by, their weight, that of the sure ones, and how many of these agree."""
+    """Write what the votes near a joint pull it by, their weight, that of sure ones, and how many of these agree."""
     a, b, c = np.float32(joint[0]), np.float32(joint[1]), np.float32(joint[2])
     per = np.float32(1.0 / (wide_m * wide_m))
     one, far, near, none = np.float32(1.0), np.float32(FAR), np.float32(AGREE), np.float32(0.0)
@@ -237,7 +237,9 @@ class Votes:
         self._model = model
         self._cast = np.empty((most * len(JOINTS), MOST, 5), np.float32)
 
-    def joints(self, scene: Foreground, shares: Array, fx: float, persons: Array, prior: Array) -> tuple[Array, Array, Array]:
+    def joints(
+        self, scene: Foreground, shares: Array, fx: float, persons: Array, prior: Array
+    ) -> tuple[Array, Array, Array]:
         """Find the joints of all persons.
 
         Args:
