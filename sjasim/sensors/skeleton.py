@@ -155,7 +155,7 @@ class SkeletonEstimator:
             return
         places = np.array([person.place for person in persons])
         known = np.array([person.scale or 1.0 for person in persons])
-        body = segmentation.measured(self._scene, places, known)
+        body = segmentation.measured(self._scene, places, known, self._per_pixel)
         for person, (count, _, _, crown, width) in zip(persons, body, strict=True):
             if count:
                 person.grow(float(crown), float(width), interval_s)
