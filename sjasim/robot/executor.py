@@ -51,6 +51,9 @@ STALL_M_S, STALL_RAD_S = 0.05, 0.2
 LONGEST_STEP_S = 0.1
 """Ramps never take a longer stride than this after a gap in the samples; assumed."""
 
+SETTLE_MAX_M_S = 0.09
+"""Fastest that a robot told to stop may settle at: no move to odometry (.10 m/s)."""
+
 EXECUTABLE = (Move.FORWARD, Move.BACKWARD, Move.STOP, Move.TURN, Move.DRIVE)
 
 
@@ -58,8 +61,8 @@ class Executor:
     """Carries out move commands, one at a time; a higher number replaces a lower one after its own dead time.
 
     A copy of the one under way may carry another speed, which is taken at once. A base that hears nothing for
-    ``command_timeout_s`` during a move ramps to a stop; a copy of the command that arrives later lets it go on. A
-    finished turn and a stop have nothing to time out.
+    ``command_timeout_s`` during a move, or while it settles after a stop, ramps to a stop; a copy of the command that
+    arrives later lets it go on. A finished turn and a mere stop have nothing to time out.
 
     Attributes:
         number: of the command being carried out, 0 before the first.
@@ -136,7 +139,7 @@ class Executor:
             self._begin(self._waiting.popleft()[1], state.heading_rad)
         self._timed_out = (
             self._command is not None
-            and self._command.move is not Move.STOP
+            and not (self._command.move is Move.STOP and self._command.speed_m_s == 0.0)
             and t - self._heard > config.command_timeout_s
         )
         speed, yaw = self._wanted(state)
@@ -163,10 +166,10 @@ class Executor:
         if command.move is Move.DRIVE:
             most, fastest = self._config.max_speed_m_s, self._config.max_yaw_rate_rad_s
             return min(max(command.speed_m_s, -most), most), min(max(command.yaw_rate_rad_s, -fastest), fastest)
-        speed = 0.0
+        most = SETTLE_MAX_M_S if command.move is Move.STOP else self._config.max_speed_m_s
+        speed = min(max(command.speed_m_s, -most), most)
         if command.move is not Move.STOP:
-            speed = min(abs(command.speed_m_s), self._config.max_speed_m_s)
-            speed = -speed if command.move is Move.BACKWARD else speed
+            speed = -abs(speed) if command.move is Move.BACKWARD else abs(speed)
         off = self._heading_ref - state.heading_rad
         if speed == 0.0 and self._speed == 0.0 and abs(off) < AIMED_RAD:
             return 0.0, 0.0

@@ -44,6 +44,10 @@ PAST_M = 0.05
 HALT_M = 0.20
 """And so far past it the server halts it, whatever the method says: the next place is somebody else's (assumed)."""
 
+SETTLE_M, SETTLE_M_S = 0.10, 0.08
+"""Standing farther than this from where its move should have ended, the robot settles there, at a speed that is no move
+to odometry (.10 m/s); assumed."""
+
 STEER, STEER_MAX_RAD = 1.0, 0.45
 """Share of a sideways error that the next move is turned to make good, and by how much at most (assumed)."""
 
@@ -67,7 +71,8 @@ class Dispatcher:
     is repeated with its own number at the heartbeat's rate, so that a lost packet costs one beat and a silent link
     stops the base; a standing robot hears STOP repeated. The copies of a move that nobody stops slow it down to a
     crawl where it should have ended, and soon halt it, or else one lost stop would leave the robot a metre from its
-    slot.
+    slot. Those of a stop that came too soon or too late let it settle where its move should have ended: whoever
+    follows a dancer whose step was half as long is that far off, and no speed could have known.
 
     Args:
         brief: the dance.
@@ -284,17 +289,27 @@ class Dispatcher:
         return steer if move is Move.BACKWARD else -steer
 
     def _paced(self, command: MoveCommand) -> MoveCommand:
-        """The command again; at a crawl once its move is past its end, and with speed 0 far past it."""
-        ahead = self._ahead_m(command.iteration)
-        if command.move is Move.FORWARD:
-            past = ahead - self._robot.cruise_m_s * self._nominal_s((command.iteration, command.ordinal))
-        elif command.move is Move.BACKWARD:
-            past = -ahead
-        else:
-            return command
-        if command.speed_m_s == 0.0 or past <= PAST_M:
+        """The command again: past its end a move crawls, and far past it halts; a stop far off settles."""
+        left = self._left_m(command)
+        if command.move is Move.STOP:
+            return replace(command, speed_m_s=math.copysign(SETTLE_M_S, left) if abs(left) > SETTLE_M else 0.0)
+        past = -left if command.move is Move.FORWARD else left
+        if command.move is Move.TURN or command.speed_m_s == 0.0 or past <= PAST_M:
             return command
         return replace(command, speed_m_s=CRAWL_M_S if past < HALT_M else 0.0)
+
+    def _left_m(self, command: MoveCommand) -> float:
+        """How far ahead of the robot, or if negative behind it, its move should end or have ended [m]."""
+        start = self._steps.get(command.ordinal - (command.move is Move.STOP))
+        move = MOVES[start.kind] if start is not None else Move.STOP
+        if move is Move.FORWARD:
+            assert start is not None
+            end = self._robot.cruise_m_s * self._nominal_s((command.iteration, start.ordinal))
+        elif move is Move.BACKWARD:
+            end = 0.0
+        else:
+            return 0.0
+        return end - self._ahead_m(command.iteration)
 
     def _ahead_m(self, iteration: int) -> float:
         """Where the robot will have come to rest, along the iteration's heading from its slot [m]."""

@@ -16,7 +16,8 @@ class MoveCommand:
         number: counts commands of a session from 1; a higher number replaces a lower one.
         move: FORWARD, BACKWARD, STOP, TURN or DRIVE.
         t_start_s: session time when the server sent it first.
-        speed_m_s: cruise speed of a forward or backward move; of DRIVE its speed, negative for backwards.
+        speed_m_s: cruise speed of a forward or backward move; of DRIVE, and of a STOP that lets the robot settle, its
+            speed, negative for backwards.
         heading_rad: absolute odometry heading at which a turn ends, or that a move or a stop takes up meanwhile.
         iteration: the iteration it belongs to.
         ordinal: place of its event among the iteration's events, from 0.

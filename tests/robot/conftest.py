@@ -22,8 +22,9 @@ HEARTBEAT_S = 0.2
 RATE_HZ = StageConfig().rate_hz
 
 
-def command(number: int, move: Move, *, speed: float = 0.25, heading: float = 0.0) -> MoveCommand:
-    return MoveCommand(number, move, 0.0, speed, heading, 1, 0, "test")
+def command(number: int, move: Move, *, speed: float | None = None, heading: float = 0.0) -> MoveCommand:
+    cruise = 0.0 if move is Move.STOP else 0.25
+    return MoveCommand(number, move, 0.0, cruise if speed is None else speed, heading, 1, 0, "test")
 
 
 class Rig:

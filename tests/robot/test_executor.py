@@ -64,6 +64,15 @@ def test_dead_time_then_ramp(base, order):
     assert speeds[-1] == pytest.approx(0.25)
 
 
+def test_a_stop_may_let_the_base_settle_slower_than_any_move_while_somebody_says_so(base, order):
+    stop = order(1, Move.STOP, speed=-0.5)
+    base.executor.receive(0.0, stop)
+    speeds = [speed for speed, _ in base.run(2.0, every=lambda: base.executor.receive(base.t_s, stop))]
+    assert min(speeds) == pytest.approx(-0.09)
+    assert base.run(1.0)[-1] == (0.0, 0.0)
+    assert base.executor.timed_out
+
+
 def test_backward_is_negative_and_speed_is_limited(base, order):
     base.executor.receive(0.0, order(1, Move.BACKWARD, speed=7.0))
     base.run(0.5)

@@ -180,3 +180,14 @@ def test_a_move_that_nobody_stops_crawls_past_its_end(dispatcher, world):
     assert (copy.number, copy.move, copy.speed_m_s) == (command.number, Move.FORWARD, 0.13)
     dispatcher.robot(0.0, state(world, 1, 0.95))
     assert dispatcher.due(dispatcher.next_due_s)[0].speed_m_s == 0.0
+
+
+def test_a_stop_that_came_too_soon_lets_the_robot_settle_where_its_move_should_have_ended(dispatcher, world):
+    dispatcher.answer(0.0, [Intention(1, 6, 5.0, ""), Intention(1, 7, 6.0, "")])
+    sent = run(dispatcher, 4.9, 6.05)
+    assert (sent[-1][1].move, sent[-1][1].speed_m_s) == (Move.STOP, 0.0)
+    speeds = []
+    for ahead_m in (0.3, 0.05, -0.3):
+        dispatcher.robot(0.0, state(world, 1, ahead_m))
+        speeds.append(dispatcher.due(dispatcher.next_due_s)[0].speed_m_s)
+    assert speeds == [-0.08, 0.0, 0.08]
