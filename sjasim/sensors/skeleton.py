@@ -28,6 +28,8 @@ VOTING, TURNING = 320, 90
 """Points of a person that vote for joints and for the yaw."""
 LEAST_M2 = 0.02
 """Surface of a person that must be seen (assumed)."""
+SURE_M2 = 0.2
+"""Surface from which on the forest's yaw counts in full: a head behind a shoulder may look anywhere (assumed)."""
 STRANGER_M2 = 0.04
 """The same at the height of the trunk for somebody new (assumed)."""
 OBJECT_M2 = 0.01
@@ -161,9 +163,11 @@ class SkeletonEstimator:
                 person.grow(float(crown), float(width), interval_s)
         scales = np.array([person.scale or 1.0 for person in persons])
         rows = person_rows(body, scales, np.zeros(len(persons)))
+        surface = body[:, 0] * self._per_pixel * places[:, 1] ** 2
         turned = yaw_votes(self._scene, self._model, shares(body[:, 0], TURNING), fx, rows)
-        for person, votes, row in zip(persons, turned, rows, strict=True):
-            person.turn(votes, interval_s)
+        sure = np.minimum(surface / SURE_M2, 1.0) ** 2
+        for person, votes, row, share in zip(persons, turned, rows, sure, strict=True):
+            person.turn(votes, interval_s * share)
             row[:2] = person.steady(row[:2], interval_s)
             person.width += 0.1 * (float(row[2]) - person.width)
             row[2], row[4], row[5] = person.width, math.cos(person.yaw_rad), math.sin(person.yaw_rad)
@@ -171,14 +175,13 @@ class SkeletonEstimator:
         taken = shares(body[:, 0], VOTING)
         joints, support = self._votes.joints(self._scene, taken, fx, rows, prior)
         _join_hands(joints, support)
-        surface = body[:, 0] * self._per_pixel * (places[:, 1]) ** 2
         for k, person in enumerate(persons):
             if surface[k] < LEAST_M2 or self._half_out(*body[k, 1:3]):
                 person.lose(interval_s)
                 continue
             seen = (support[k] > self._model.support) & np.isfinite(joints[k, :, 0])
             person.hold(joints[k], seen, interval_s)
-            person.see(joints[k], seen, self._model.posture, self._model.mean, interval_s)
+            person.see(joints[k], seen, self._model, interval_s)
 
     def _half_out(self, x_m: float, z_m: float) -> bool:
         """Whether the picture cuts off half of somebody whose visible surface has its middle there."""

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array
 from . import posture
+from .model import Unpacked
 
 CONFIRM_FRAMES = 3
 """Frames in which somebody must have been seen before there is a person."""
@@ -27,7 +28,7 @@ REACH_M, REACH_M_S = 0.5, 1.0
 """How far from where they were lost somebody is looked for, and how that grows (assumed)."""
 SAME_M = 0.30
 """Two persons cannot stand closer than this; the younger is a mistake (assumed)."""
-RELAX_S = 0.30
+RELAX_S = 0.10
 """Time constant with which a hidden joint goes where the rest of the posture says (assumed)."""
 SETTLE_TRUNK_S, SETTLE_LIMB_S = 0.40, 0.07
 """Time constants with which a joint that comes back into sight goes where it is seen: a trunk that jumped would look
@@ -54,6 +55,8 @@ TOUCH_M, CLASP_S = 0.16, 0.4
 """Hands that were seen closer than this hide each other, and are known for so long all the same (assumed)."""
 HOLD_S, HOLD_M = 0.08, 0.15
 """A joint that was tracked is for so long without support, while it is found this near to its prediction (assumed)."""
+LEAP_S, LEAP_M = 0.12, 0.25
+"""A joint that leaps farther than this in a frame is not believed for so long (assumed)."""
 CROWN = 0.959
 """Height of the crown over stature, as its pixels show it in a dance (measured on dances of unknown builds)."""
 STATURE_M = (1.35, 2.10)
@@ -96,6 +99,8 @@ def _hold(
         if near(joints[left], joints[right], TOUCH_M):
             limit_s[left] = limit_s[right] = CLASP_S
     for j in range(len(seen)):
+        if seen[j] and unseen_s[j] < LEAP_S and state[j] != NOT_TRACKED and not near(joints[j], before[j], LEAP_M):
+            seen[j] = False
         unseen_s[j] = 0.0 if seen[j] else unseen_s[j] + interval_s
         if state[j] == TRACKED and unseen_s[j] < limit_s[j] and near(joints[j], before[j], HOLD_M):
             seen[j] = True
@@ -243,9 +248,10 @@ class Person:
         self.state = np.where(np.isnan(self.joints[:, 0]), NOT_TRACKED, state).astype(np.int8)
 
     def hold(self, joints: Array, seen: posture.Seen, interval_s: float) -> None:
-        """Count joints as seen that lack support for a moment only, and hands that touch for longer.
+        """Count joints as seen that lack support for a moment only, and hands that touch for longer; none that leaps.
 
-        Hands that touch hide each other's surface, and neither goes far.
+        Hands that touch hide each other's surface, and neither goes far. What was here a moment ago and is found
+        somewhere else altogether is not there, but hidden, and something else looks like it.
 
         Args:
             joints: (25, 3) where votes agree.
@@ -254,21 +260,21 @@ class Person:
         """
         _hold(joints, self.joints, self.state, interval_s, self.unseen_s, seen)
 
-    def see(self, joints: Array, seen: NDArray[np.bool_], weights: Array, mean: Array, interval_s: float) -> None:
+    def see(self, joints: Array, seen: posture.Seen, model: Unpacked, interval_s: float) -> None:
         """Take in a frame's joints.
 
         Args:
             joints: (25, 3) where votes agree, NaN where there are none.
             seen: (25,) which of them are supported.
-            weights: (104, 75) of the posture's regression.
-            mean: (25, 3) mean posture.
+            model: its regression and memory of postures count.
             interval_s: since the last frame.
         """
         before_rad = self.facing_rad
         self._face(posture.heading(joints, seen), interval_s)
         self._spin(before_rad, interval_s)
         likely = np.empty_like(joints)
-        if not posture.likely(joints, seen, weights, mean, self.yaw_rad, self.scale, self.width, likely):
+        known = model.posture, model.memory, model.mean
+        if not posture.likely(joints, seen, *known, self.yaw_rad, self.scale, self.width, likely):
             self.lose(interval_s)
             return
         own = blend(interval_s, OWN_MOTION_S / (1.0 + (self.spin / SPIN_RAD_S) ** 2))
