@@ -10,9 +10,12 @@ from numpy.typing import NDArray
 
 from .assets.names import JOINT_INDEX, JOINTS
 from .choreography.layout import Mount
-from .types import Array, BoolArray, DancerStates, IntArray, RobotState, Skeletons
+from .types import Array, BoolArray, DancerStates, IntArray, Skeletons
 
 T = TypeVar("T")
+
+FELT = 36
+"""Columns of `types.DancerStates.rows`."""
 
 TRUTH_COLUMNS = (
     "t_s", "dancer", "x_m", "y_m", "z_m", "heading_rad", "hands_m", "tether_x_n", "tether_y_n",
@@ -37,20 +40,32 @@ class Ledger:
     Args:
         weight_n: (D,) the dancers' weights [N].
         every: which of the ticks become rows of the truth.
+        rows: how many of them to make room for; more are taken.
+
+    Attributes:
+        states: (N, D, 36) rows of `types.DancerStates`, one for each tick that is kept; whoever tells the ledger of a
+            tick writes its own. Their memory is touched when it is made, not while people dance.
+        rides: (M, 9) the same for the odometry, with `ODOMETRY_COLUMNS`.
     """
 
-    def __init__(self, weight_n: Array, every: int) -> None:
+    def __init__(self, weight_n: Array, every: int, rows: int = 1) -> None:
         self._weight = weight_n
         self._every = every
         self._fell_s = np.full(len(weight_n), np.inf)
-        self._ticks: list[tuple[float, int, Array]] = []
-        self._odometry: list[tuple[float, ...]] = []
+        self.states = np.full((rows, len(weight_n), FELT), 0.0)
+        self._ticks: list[tuple[float, int]] = []
+        self._until_next = 0
+        self.rides = np.full((rows, len(ODOMETRY_COLUMNS)), 0.0)
+        self._ridden = 0
         self._frames: list[tuple[Array, BoolArray | None, IntArray]] = []
         self._estimates: list[tuple[int, Skeletons, IntArray, Mount]] = []
 
-    def ride(self, state: RobotState, true_pose: tuple[float, float, float]) -> None:
-        """One odometry sample with the true pose."""
-        self._odometry.append((*state, *true_pose))
+    def ride(self) -> int:
+        """One odometry sample: its row of `rides`."""
+        self._ridden += 1
+        if self._ridden > len(self.rides):
+            self.rides = _doubled(self.rides)
+        return self._ridden - 1
 
     def see(self, joints_m: Array, visible: BoolArray | None, dancers: IntArray) -> None:
         """One frame; the ledger keeps the arrays themselves.
@@ -72,9 +87,17 @@ class Ledger:
         """
         self._estimates.append((len(self._frames), skeletons, dancers, mount))
 
-    def write(self, now: float, states: DancerStates) -> None:
-        """One tick of truth."""
-        self._ticks.append((now, len(self._frames), states.rows))
+    def tick(self, now: float) -> int:
+        """One control tick: the row of `states` that what is felt at it belongs in, -1 for one that is not kept."""
+        if self._until_next:
+            self._until_next -= 1
+            return -1
+        self._until_next = self._every - 1
+        row = len(self._ticks)
+        if row == len(self.states):
+            self.states = _doubled(self.states)
+        self._ticks.append((now, len(self._frames)))
+        return row
 
     def fall(self, now: float, dancer: int) -> None:
         """A dancer is down from now on."""
@@ -82,10 +105,9 @@ class Ledger:
 
     def truth(self) -> dict[str, NDArray[np.generic]]:
         """The truth as columns."""
-        kept = self._ticks[:: self._every]
-        t_s = np.array([tick[0] for tick in kept])[:, None]
-        frame = np.array([max(tick[1] - 1, 0) for tick in kept], dtype=np.int64)
-        states = np.array([tick[2] for tick in kept])
+        stamps = np.array(self._ticks).reshape(-1, 2)
+        t_s, frame = stamps[:, :1], np.maximum(stamps[:, 1].astype(np.int64) - 1, 0)
+        states = self.states[: len(stamps)]
         shape = states.shape[:2]
         of = DancerStates(states.reshape(-1, states.shape[2]))
         visible = self._visible()[frame]
@@ -107,7 +129,7 @@ class Ledger:
 
     def odometry(self) -> dict[str, Array]:
         """The odometry as columns; empty without a robot."""
-        rows = np.array(self._odometry)
+        rows = self.rides[: self._ridden]
         return {name: rows[:, k].copy() for k, name in enumerate(ODOMETRY_COLUMNS)} if len(rows) else {}
 
     def joints(self) -> NDArray[np.float32]:
@@ -140,6 +162,11 @@ class Ledger:
             for row in np.flatnonzero(dancers >= 0):
                 out[frames, dancers[row]] = visible[:, row]
         return out
+
+
+def _doubled(rows: Array) -> Array:
+    """The rows, and room for as many more."""
+    return np.concatenate([rows, np.zeros_like(rows)])
 
 
 def _alike(items: Sequence[T], keys: Sequence[object]) -> list[list[T]]:

@@ -248,7 +248,7 @@ def collision(seed: int, from_rad: float, speed_m_s: float = 0.5) -> Collision:
     ends: list[Array] = []
     while trial.time_s < 4.0 - 1e-9:
         trial.run(trial.time_s + tick_s)
-        peak = max(peak, stage.impact_n())
+        peak = max(peak, stage.contacts.impact_n())
         sway = max(sway, float(np.hypot(*(stage.states().root[0, :2] - root[:2]))))
         ends.append(np.array(stage.robot_pose()[:2]))
     towards = -np.array([math.cos(bearing), math.sin(bearing)])

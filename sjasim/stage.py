@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 from .assets.names import (
+    ACTUATED,
     FLOOR_BIT,
     JOINT_INDEX,
     JOINTS,
@@ -21,17 +22,32 @@ from .assets.names import (
 from .choreography.layout import Layout
 from .clock import Ticks
 from .config import BodyConfig, RobotConfig, StageConfig
+from .contacts import Contacts
 from .errors import SjasimError
 from .humans.anatomy import Anatomy
 from .humans.body import BodyModel, body_model
-from .rays.hiding import hidden
+from .rays.hiding import shapes
 from .robot.body import robot_spec
-from .types import Array, BoolArray, DancerStates, Geoms, IntArray, JointTargets, Servos, WheelCommand, WheelReading
+from .types import (
+    Array,
+    DancerStates,
+    Geoms,
+    IntArray,
+    Servos,
+    Solids,
+    WheelCommand,
+)
 
 _FLOOR = (0.74, 0.72, 0.69), (0.66, 0.64, 0.61)
 _SKY = (0.80, 0.86, 0.92), (0.97, 0.97, 0.96)
 LYING_ARMATURE, LYING_DAMPING = 0.5, 20.0
 """Inertia [kg m^2] and damping [Nm s/rad] about a lying body's three axes, two of which may be one (assumed)."""
+PELVIS, TRUNK, BEHIND, POSITIONS, RATES, SITES, ACTUATORS, WIRES = 0, 1, 2, 3, 9, 15, 19, 44
+"""Where a dancer's addresses begin in `Stage.where`: its pelvis, the body at its root, the one behind its last; the
+root's coordinates (6) and rates (6); ankles and hands (4); actuators of the planned hinges (25, -1 for a body that has
+others) and of the tether (5, -1 without one)."""
+LEFT_ANGLE, RIGHT_ANGLE, GYRO, BASE, LEFT_MOTOR, RIGHT_MOTOR = range(6)
+"""The robot's addresses, last in `Stage.robot`: wheel angles, yaw rate, body and actuators."""
 _LOGGED = [JOINT_INDEX[name] for name in ("AnkleLeft", "AnkleRight", "HandLeft", "HandRight")]
 
 
@@ -77,25 +93,47 @@ def _light(spec: mujoco.MjSpec) -> None:
 
 
 @njit(cache=True)
-def _gather(
-    com: Array, velocity: Array, qpos: Array, qvel: Array, sites: Array, forces: Array, load: Array, where: IntArray,
-    out: Array,
+def gather(
+    com: Array, velocity: Array, centre: Array, qpos: Array, qvel: Array, sites: Array, forces: Array, load: Array,
+    mass: Array, parent: IntArray, momentum: Array, where: IntArray, out: Array,
 ) -> None:  # fmt: skip
     """Copy every dancer's rows out of the physics; the output is that of `types.DancerStates`.
 
-    ``where`` holds each dancer's pelvis, root addresses (6 in ``qpos``, 6 in ``qvel``), four sites, five actuators.
+    The arrays are those of `Stage.felt`. The velocity of the centre of mass is what MuJoCo's ``mj_subtreeVel`` gives,
+    to the last bit, without its sums for all the other bodies.
     """
     for d in range(len(where)):
-        at, row = where[d], out[d]
+        pelvis, root = where[d, PELVIS], where[d, TRUNK]
+        for b in range(pelvis, where[d, BEHIND]):
+            x, y, z = centre[b, 0] - com[root, 0], centre[b, 1] - com[root, 1], centre[b, 2] - com[root, 2]
+            turn_x, turn_y, turn_z = velocity[b, 0], velocity[b, 1], velocity[b, 2]
+            momentum[b, 0] = (velocity[b, 3] - (y * turn_z - z * turn_y)) * mass[b]
+            momentum[b, 1] = (velocity[b, 4] - (z * turn_x - x * turn_z)) * mass[b]
+            momentum[b, 2] = (velocity[b, 5] - (x * turn_y - y * turn_x)) * mass[b]
+        for b in range(where[d, BEHIND] - 1, pelvis, -1):
+            for k in range(3):
+                momentum[parent[b], k] += momentum[b, k]
+        per = 1.0 / mass[len(parent) + d]
         for k in range(3):
-            row[k], row[3 + k] = com[at[0], k], velocity[at[0], k]
+            out[d, k], out[d, 3 + k] = com[pelvis, k], momentum[pelvis, k] * per
             for site in range(4):
-                row[18 + 3 * site + k] = sites[at[13 + site], k]
+                out[d, 18 + 3 * site + k] = sites[where[d, SITES + site], k]
         for k in range(6):
-            row[6 + k], row[12 + k] = qpos[at[1 + k]], qvel[at[7 + k]]
+            out[d, 6 + k], out[d, 12 + k] = qpos[where[d, POSITIONS + k]], qvel[where[d, RATES + k]]
         for k in range(5):
-            row[30 + k] = forces[at[17 + k]] if at[17 + k] >= 0 else 0.0
-        row[35] = load[d]
+            wire = where[d, WIRES + k]
+            out[d, 30 + k] = forces[wire] if wire >= 0 else 0.0
+        out[d, 35] = load[d]
+
+
+@njit(cache=True)
+def command(targets: Array, where: IntArray, ctrl: Array) -> None:
+    """Set the dancers' actuators: (D, 30) targets of the planned hinges, then of the tether; see `Stage.where`."""
+    for d in range(len(where)):
+        for k in range(targets.shape[1]):
+            actuator = where[d, ACTUATORS + k]
+            if actuator >= 0:
+                ctrl[actuator] = targets[d, k]
 
 
 class Stage:
@@ -110,6 +148,13 @@ class Stage:
         config: rates.
         body: tether.
         robot: its parameters, or None for a stage without a robot.
+
+    Attributes:
+        direct: whether the bodies' hinges are the planned ones.
+        where: (D, ...) addresses of what belongs to each dancer, see `PELVIS`.
+        felt: all that `gather` takes but its output.
+        ctrl: the physics' own array of actuator commands.
+        robot: what its turn reads: coordinates, sensors, places and attitudes of bodies, and its addresses.
     """
 
     def __init__(
@@ -128,10 +173,7 @@ class Stage:
         self.data = mujoco.MjData(self.model)
         self.ticks = Ticks(config.rate_hz)
         d = self.data  # its arrays stay where they are, and looking them up costs more than reading them
-        self._qpos, self._qvel, self._ctrl, self._site_xpos = d.qpos, d.qvel, d.ctrl, d.site_xpos
-        self._forces, self._sensed, self._com, self._linvel = (
-            d.actuator_force, d.sensordata, d.subtree_com, d.subtree_linvel,
-        )  # fmt: skip
+        self._qpos, self._qvel, self.ctrl, self._site_xpos = d.qpos, d.qvel, d.ctrl, d.site_xpos
         self._xpos, self._xmat, self._lifts = d.xpos, d.xmat, d.qfrc_constraint
         self._warning = d.warning[mujoco.mjtWarning.mjWARN_BADQACC]
         self._joints: Array = np.empty(0)
@@ -142,15 +184,17 @@ class Stage:
         self.has_robot = robot is not None
         self._index(len(anatomies), body.tether == "weak")
         self._place(headings_rad, postures, pelvises)
-        leads = self._leads()
-        weight = self.model.body_subtreemass[self._pelvis] * 9.81
+        self.contacts = Contacts(self.model, d, self._shell, np.flatnonzero(self._owner >= 0), self._base)
+        """Where the robot touches dancers."""
+        leads, pelvis = self._leads(), self.where[:, PELVIS]
+        weight = self.model.body_subtreemass[pelvis] * 9.81
         leg = np.array([anatomy.thigh_m + anatomy.shank_m for anatomy in anatomies])
         self.servos = Servos(self._stiffness, leads[0], leads[1], weight, leg)
 
     def _index(self, dancers: int, tethered: bool) -> None:
         m = self.model
         prefixes = [dancer_prefix(index) for index in range(dancers)]
-        self._pelvis = np.array([m.body(f"{p}pelvis").id for p in prefixes])
+        pelvis = np.array([m.body(f"{p}pelvis").id for p in prefixes])
         self._sites = np.array([[m.site(p + joint).id for joint in JOINTS] for p in prefixes])
         hinges, leading = self._body.hinges, self._body.leading
         self._hinges = np.array([[m.joint(p + name).qposadr[0] for name in hinges] for p in prefixes])
@@ -163,29 +207,40 @@ class Stage:
         self._tether: IntArray = np.array(pulls, dtype=np.int64).reshape(-1, 5)
         self._tethered = tethered
         wires = self._tether if tethered else np.full((dancers, 5), -1)
-        self._where = np.hstack([self._pelvis[:, None], self._root, root_dof, self._sites[:, _LOGGED], wires])
+        body = np.column_stack([pelvis, m.body_rootid[pelvis], [_behind(m, body) for body in pelvis]])
+        self.direct = tuple(hinges) == ACTUATED
+        servos = self._servo if self.direct else np.full((dancers, len(ACTUATED)), -1)
+        self.where = np.hstack([body, self._root, root_dof, self._sites[:, _LOGGED], servos, wires]).astype(np.int64)
+        masses = np.concatenate([m.body_mass, m.body_subtreemass[pelvis]])
         self._lift, self._load = root_dof[:, 2].copy(), np.zeros(dancers)
+        d = self.data
+        self.felt = (
+            d.subtree_com, d.cvel, d.xipos, d.qpos, d.qvel, d.site_xpos, d.actuator_force, self._load, masses,
+            m.body_parentid, np.zeros((m.nbody, 3)), self.where,
+        )  # fmt: skip
         owner = np.full(m.ngeom, -1, dtype=np.int64)
         names = [m.geom(geom).name for geom in range(m.ngeom)]
-        self._shell = np.array([name.startswith(ROBOT_PREFIX) for name in names])
+        self._shell = np.flatnonzero([name.startswith(ROBOT_PREFIX) for name in names])
         for index, prefix in enumerate(prefixes):
             owner[[name.startswith(prefix) for name in names]] = index
-        self._flesh = owner >= 0
         self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
         self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
         self._form, self._size = m.geom_type[self._solid].astype(np.int64), m.geom_size[self._solid]
         self._owner, self._solid_owner = owner, owner[self._solid]
-        self._hiding = np.column_stack([self._solid, self._solid_owner, self._form])
-        self._hiding_size = np.column_stack([self._size, m.geom_rbound[self._solid]])
+        rows = np.column_stack([self._solid, self._solid_owner, self._form])
+        self.solids = Solids(rows, shapes(self._form, self._size), self._positions, self._rotations)
+        """All that can hide something; see `types.StageView`."""
+        self._base = m.body(f"{ROBOT_PREFIX}base").id if self.has_robot else 0
         if self.has_robot:
-            self._base = m.body(f"{ROBOT_PREFIX}base").id
-            self._wheels = [m.actuator(f"{ROBOT_PREFIX}{name}").id for name in ("wheel_l", "wheel_r")]
-            self._wheel_angles = [m.joint(f"{ROBOT_PREFIX}{name}").qposadr[0] for name in ("wheel_l", "wheel_r")]
-            self._gyro = m.sensor(f"{ROBOT_PREFIX}gyro").adr[0] + 2
+            wheels = [f"{ROBOT_PREFIX}{name}" for name in ("wheel_l", "wheel_r")]
+            self._wheels = [m.actuator(name).id for name in wheels]
+            angles, gyro = [m.joint(name).qposadr[0] for name in wheels], m.sensor(f"{ROBOT_PREFIX}gyro").adr[0] + 2
+            where = np.array([*angles, gyro, self._base, *self._wheels])
+            self.robot = d.qpos, d.sensordata, d.xpos, d.xmat, where
 
     def _leads(self) -> tuple[Array, Array]:
         gain, bias = self.model.actuator_gainprm, self.model.actuator_biasprm
-        root = np.zeros((len(self._pelvis), 5))
+        root = np.zeros((len(self.where), 5))
         if self._tethered:
             root = -bias[self._tether, 2] / gain[self._tether, 0]
         return -bias[self._leading, 2] / self._stiffness, root
@@ -242,12 +297,8 @@ class Stage:
 
     def states(self) -> DancerStates:
         """What balance needs of every dancer, and the record."""
-        mujoco.mj_subtreeVel(self.model, self.data)
-        rows = np.empty((len(self._where), 36))
-        _gather(
-            self._com, self._linvel, self._qpos, self._qvel, self._site_xpos, self._forces, self._load, self._where,
-            rows,
-        )  # fmt: skip
+        rows = np.empty((len(self.where), 36))
+        gather(*self.felt, rows)
         return DancerStates(rows)
 
     def feel(self) -> None:
@@ -259,21 +310,14 @@ class Stage:
         """
         self._lifts.take(self._lift, out=self._load, mode="clip")
 
-    def apply(self, targets: JointTargets) -> None:
-        """Set the dancers' actuators; the stage keeps a copy."""
-        self._ctrl[self._servo] = self._body.angles(targets.joints)
-        if self._tethered:
-            self._ctrl[self._tether] = targets.root
+    def bend(self, joints: Array) -> None:
+        """Set the hinge servos of bodies that are not `direct`, for targets (D, 25) of the planned hinges [rad]."""
+        self.ctrl[self._servo] = self._body.angles(joints)
 
     def drive(self, command: WheelCommand) -> None:
         """Set the robot's wheel speeds."""
         left, right = self._wheels
-        self._ctrl[left], self._ctrl[right] = command.left_rad_s, command.right_rad_s
-
-    def wheels(self) -> WheelReading:
-        """What the robot's encoders and gyro would feel, without their quantisation."""
-        left, right = self._wheel_angles
-        return WheelReading(self._qpos.item(left), self._qpos.item(right), self._sensed.item(self._gyro))
+        self.ctrl[left], self.ctrl[right] = command.left_rad_s, command.right_rad_s
 
     def robot_pose(self) -> tuple[float, float, float]:
         """True position and heading (-pi to pi) of the robot [m, m, rad]."""
@@ -301,30 +345,9 @@ class Stage:
         rotation = self._rotations[self._solid].reshape(-1, 3, 3)
         return Geoms(self._form, self._size, self._positions[self._solid], rotation, self._solid_owner)
 
-    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: Array) -> BoolArray:
-        """Which points (N, 3) something hides from an eye; see `types.StageView`."""
-        out = np.empty(len(points), dtype=bool)
-        hidden(
-            origin, points, whose, flesh_m, self._hiding, self._hiding_size, self._positions, self._rotations, out,
-        )  # fmt: skip
-        return out
-
     def height_m(self, dancer: int) -> float:
         """Height of a dancer's pelvis [m]."""
         return float(self._qpos.item(self._root.item(dancer, 2)))
-
-    def bumped(self) -> bool:
-        """Whether the robot touches a dancer at this moment."""
-        first, second = self.data.contact.geom.T
-        return bool(((self._shell[first] & self._flesh[second]) | (self._flesh[first] & self._shell[second])).any())
-
-    def impact_n(self) -> float:
-        """How hard the robot and dancers press on each other at this moment: the sum of their contacts' forces [N]."""
-        contact = self.data.contact
-        first, second = contact.geom.T
-        touch = (self._shell[first] & self._flesh[second]) | (self._flesh[first] & self._shell[second])
-        starts = contact.efc_address[touch & (contact.efc_address >= 0)]
-        return float(sum(self.data.efc_force[start : start + 4].sum() for start in starts))
 
     def let_go(self, dancer: int) -> None:
         """A fallen dancer's muscles and tether go limp, and all of the body meets the floor."""
@@ -335,10 +358,18 @@ class Stage:
         flesh = np.flatnonzero(self._owner == dancer)
         m.geom_conaffinity[flesh] |= FLOOR_BIT
         m.body_conaffinity[m.geom_bodyid[flesh]] |= FLOOR_BIT
-        turns = self._where[dancer, 10:13]  # of one who lies on the face, yaw and roll are the same
+        turns = self.where[dancer, RATES + 3 : RATES + 6]  # of one who lies on the face, yaw and roll are the same
         m.dof_armature[turns], m.dof_damping[turns] = LYING_ARMATURE, LYING_DAMPING
 
     def push(self, dancer: int, force: Array) -> None:
         """Pull at a dancer's trunk with a force (3,) until told otherwise [N]."""
         body = self.model.body(f"{dancer_prefix(dancer)}torso").id
         self.data.xfrc_applied[body, :3] = force
+
+
+def _behind(model: mujoco.MjModel, body: int) -> int:
+    """The first body behind those that hang on one; they stand together."""
+    last = body + 1
+    while last < model.nbody and model.body_parentid[last] >= body:
+        last += 1
+    return last

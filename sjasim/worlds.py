@@ -28,10 +28,9 @@ from .ledger import Ledger
 from .logs import AgentEvent, Notice
 from .people import felt_error_s, people, performed_cues, person
 from .registry import resolve
-from .robot.executor import Executor
-from .robot.odometry import Odometry, RobotEventDetector
 from .sensors.client import ROUNDING_S, Client, Sensing
 from .stage import Stage
+from .turns import DancersTurn, RobotTurn
 from .types import (
     ROBOT,
     ClientOrder,
@@ -127,8 +126,10 @@ class PhysicsWorld:
         self.robot_events: list[AgentEvent] = []
         self._faults = config.faults
         self._dance(config, timetable, layout, robot)
+        every = max(1, config.stage.balance_hz // config.stage.truth_hz)
+        self.ledger = Ledger(self.stage.servos.weight, every, self.reference.rows.shape[1] // every)
+        self.dancers = DancersTurn(self.stage, self.balance, self.ledger)
         self._equip(config, layout, robot)
-        self.ledger = Ledger(self.stage.servos.weight, max(1, config.stage.balance_hz // config.stage.truth_hz))
         self._outbox: list[Outward] = []
         self._check_s = 0.0
         self._next_iteration = timetable.first
@@ -166,7 +167,8 @@ class PhysicsWorld:
         self.sensing: dict[str, Sensing] = {}
         self._mounts = {mount.name: mount for mount in layout.mounts}
         self._clients = {mount.name: self._client(config, layout, index) for index, mount in enumerate(layout.mounts)}
-        self._balance_task = Task(ticks, config.stage.balance_hz)
+        self._balance_hz = config.stage.balance_hz
+        self._balance_task = Task(ticks, self._balance_hz)
         self._frame_task = Task(ticks, config.sensors.rate_hz)
         self._robot_task = Task(ticks, config.robot.odometry_hz)
         self._state_task = Task(ticks, STATE_HZ)
@@ -176,9 +178,7 @@ class PhysicsWorld:
         self._blocked = False
         if robot:
             pose = (float(layout.robot[0]), float(layout.robot[1]), self._timetable.heading_rad(1))
-            self._odometry = Odometry(config.robot, pose, stream(config.seed, "robot", "gyro"))
-            self._robot_detector = RobotEventDetector(config.robot)
-            self._executor = Executor(config.robot)
+            self.robot = RobotTurn(self.stage, config.robot, pose, stream(config.seed, "robot", "gyro"), self.ledger)
 
     def _client(self, config: SessionConfig, layout: Layout, index: int) -> Client:
         mount = layout.mounts[index]
@@ -211,7 +211,7 @@ class PhysicsWorld:
         if not isinstance(message, MoveCommand):
             return self._clients[message.sensor].receive(t_arrival_s, message, now_s)
         if now_s < self._dead_from_s:
-            self._executor.receive(now_s, message)
+            self.robot.receive(now_s, message)
         return None
 
     def advance(self, until_s: float) -> list[Outward]:
@@ -253,22 +253,17 @@ class PhysicsWorld:
         if now >= self._dead_from_s:
             self.stage.drive(WheelCommand(0.0, 0.0))
             return
-        state = self._odometry.update(now, self.stage.wheels())
-        event = self._robot_detector.update(state)
+        event = self.robot.take(now, jammed=now >= self._blocked_from_s)
         if event is not None:
             iteration = self._timetable.iteration_at(event[1])
             self.robot_events.append(AgentEvent(iteration, ROBOT, event[0], event[1]))
-        command = self._executor.update(state)
-        if now >= self._blocked_from_s:
-            command = WheelCommand(0.0, 0.0)
-        self.stage.drive(command)
-        if self._executor.blocked and not self._blocked:
+        blocked = self.robot.blocked
+        if blocked and not self._blocked:
             self.notices.append(Notice(now, ROBOT, "blocked: it is commanded to move but its wheels stand still"))
-        self._blocked = self._executor.blocked
-        self.ledger.ride(state, self.stage.robot_pose())
+        self._blocked = blocked
         if self.stage.tick >= self._state_task.due:
             self._state_task.advance()
-            self._outbox.append(state)
+            self._outbox.append(self.robot.state)
 
     def look(self, now: float) -> None:
         """A frame tick: the clients take their frames and send what is ready; the floor's force is felt."""
@@ -291,9 +286,7 @@ class PhysicsWorld:
             self.plan()
         if now >= self._set_out_s:
             self.set_out(now)
-        states = self.stage.states()
-        self.stage.apply(self.balance.targets(round(now * self._config.stage.balance_hz), states))
-        self.ledger.write(now, states)
+        self.dancers.take(round(now * self._balance_hz), now)
 
     def _check(self, now: float) -> None:
         """Now and then: is the physics sound, has anybody fallen?"""

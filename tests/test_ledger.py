@@ -6,7 +6,7 @@ import pytest
 from sjasim.assets.names import JOINT_INDEX
 from sjasim.choreography.layout import Mount
 from sjasim.ledger import ODOMETRY_COLUMNS, TRUTH_COLUMNS, Ledger
-from sjasim.types import DancerStates, RobotState, Skeletons
+from sjasim.types import Skeletons
 
 WEIGHTS = np.array([700.0, 650.0])
 
@@ -18,7 +18,7 @@ def states():
     rows[0, 27] = 0.3
     rows[1, 30:35] = [3.0, 4.0, 1.0, 2.0, 2.0]
     rows[:, 35] = 0.5 * WEIGHTS
-    return DancerStates(rows)
+    return rows
 
 
 @pytest.fixture
@@ -33,7 +33,8 @@ def ledger():
             ledger.fall(tick / 60, 1)
         if tick == 8:
             ledger.see(np.zeros((2, 25, 3)), None, np.array([1, 0]))
-        ledger.write(tick / 60, states())
+        row = ledger.tick(tick / 60)
+        ledger.states[row] = states()
     return ledger
 
 
@@ -59,7 +60,8 @@ def test_what_was_seen_belongs_to_the_right_dancer_and_is_nan_while_nobody_watch
 
 def test_odometry_and_joints_are_kept_as_given(ledger):
     assert ledger.odometry() == {}
-    ledger.ride(RobotState(0.5, 1.0, 2.0, 3.0, 0.004, 0.1), (1.1, 2.1, 3.1))
+    row = ledger.ride()
+    ledger.rides[row] = 0.5, 1.0, 2.0, 3.0, 0.004, 0.1, 1.1, 2.1, 3.1
     columns = ledger.odometry()
     assert [float(columns[name][0]) for name in ODOMETRY_COLUMNS] == [0.5, 1.0, 2.0, 3.0, 0.004, 0.1, 1.1, 2.1, 3.1]
     assert ledger.joints().shape == (2, 2, 25, 3)

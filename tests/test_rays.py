@@ -6,7 +6,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from sjasim.rays.hiding import hidden
+from sjasim.rays.hiding import shapes
+from sjasim.types import Solids
+
+from .eyes import hidden
 
 SHAPES = {
     "plane": 'type="plane" size="3 3 .1" pos="0 0 -1"',
@@ -59,14 +62,11 @@ def test_the_same_points_are_hidden_as_by_mujocos_rays(flesh_m):
     model, data = scene(SHAPES)
     rng = np.random.default_rng(1)
     owners = np.array([-1, 0, 0, 1, 1, 2])
-    geoms = np.column_stack([np.arange(model.ngeom), owners, model.geom_type.astype(np.int64)])
-    sizes = np.column_stack([model.geom_size, model.geom_rbound])
+    rows = np.column_stack([np.arange(model.ngeom), owners, model.geom_type.astype(np.int64)])
+    solids = Solids(rows, shapes(rows[:, 2], model.geom_size), data.geom_xpos, data.geom_xmat)
     for origin in (np.array([3.0, 0.5, 0.9]), np.array([-2.0, -2.5, 0.2])):
         points = rng.uniform([-1.5, -1.5, -0.9], [1.5, 1.5, 1.5], size=(200, 3))
         whose = rng.integers(0, 3, size=200)
-        out = np.empty(200, dtype=bool)
-        hidden(
-            origin, points, whose, np.full(200, flesh_m), geoms, sizes, data.geom_xpos, data.geom_xmat, out,
-        )  # fmt: skip
+        out = hidden(origin, points, whose, np.full(200, flesh_m), solids)
         assert np.array_equal(out, by_mujoco(model, data, origin, points, whose, flesh_m, owners))
         assert 0.1 < out.mean() < 0.9

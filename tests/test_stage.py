@@ -12,6 +12,7 @@ from sjasim.errors import SjasimError
 from sjasim.humans.anatomy import Build, anatomy
 from sjasim.types import Move
 
+from .eyes import hidden
 from .humans.dancing import HZ, Floor, builds, walk_cue
 
 
@@ -58,16 +59,16 @@ def test_what_is_hidden_agrees_with_single_rays():
     origin = np.array([0.3, 3.0, 1.0])
     points = rng.uniform([-1.5, -1.5, 0.05], [1.5, 1.5, 1.9], (400, 3))
     whose = rng.integers(0, 3, 400)
-    hidden = stage.hidden(origin, points, whose, np.zeros(400))
+    told = hidden(origin, points, whose, np.zeros(400), stage.solids)
     groups = np.array([1, 1, 1, 0, 1, 1], dtype=np.uint8)
-    for point, told in zip(points, hidden, strict=True):
+    for point, one in zip(points, told, strict=True):
         way = point - origin
         length = np.linalg.norm(way)
         single = mujoco.mj_ray(
             stage.model, stage.data, origin, way / length, groups, 1, -1, np.zeros(1, dtype=np.int32)
         )
-        assert told == (0.0 <= single < length)
-    assert 0.1 < hidden.mean() < 0.9
+        assert one == (0.0 <= single < length)
+    assert 0.1 < told.mean() < 0.9
 
 
 def test_palms_touch_at_a_clap():
@@ -90,9 +91,9 @@ def test_a_robot_that_is_not_driven_stays_put():
     x, y, heading = stage.robot_pose()
     assert (x, y) == pytest.approx(tuple(_robot_slot()), abs=2e-3)
     assert heading == pytest.approx(np.pi / 2, abs=5e-3)
-    reading = stage.wheels()
-    assert (reading.left_rad, reading.right_rad) == pytest.approx((0.0, 0.0), abs=0.05)
-    assert reading.yaw_rate_rad_s == pytest.approx(0.0, abs=0.02)
+    qpos, sensed, _, _, where = stage.robot
+    assert qpos[where[:2]] == pytest.approx((0.0, 0.0), abs=0.05)
+    assert sensed[where[2]] == pytest.approx(0.0, abs=0.02)
 
 
 def _robot_slot():
@@ -100,6 +101,19 @@ def _robot_slot():
     from sjasim.config import RoomConfig, SensorConfig
 
     return layout("square", 1, RoomConfig(), SensorConfig()).robot
+
+
+def test_it_bumps_where_a_contact_says_so():
+    stage = floor(1, robot=RobotConfig()).stage
+    pelvis, at = stage.states().root[0, :2], stage.model.joint("robot/root").qposadr[0]
+    touched = []
+    for away_m in np.arange(0.8, 0.0, -0.02):
+        stage.data.qpos[at : at + 2] = pelvis[0], pelvis[1] + away_m
+        mujoco.mj_forward(stage.model, stage.data)
+        names = [[stage.model.geom(geom).name.partition("/")[0] for geom in one.geom] for one in stage.data.contact]
+        touched.append(any({"robot", "dancer_1"} == set(pair) for pair in names))
+        assert stage.contacts.bumped() == touched[-1]
+    assert (touched[0], touched[-1]) == (False, True)
 
 
 def test_who_is_let_go_falls_and_the_others_stand():

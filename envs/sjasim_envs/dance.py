@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import operator
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
@@ -179,14 +180,12 @@ class _Dance(gym.Env[Any, Any]):
         self._act(session, action)
         self._steps += 1
         session.advance(min(self._steps / self._hz, session.end_s))
-        done = self._scorer.update()
-        terms = self._scorer.terms
-        self._over = session.time_s >= session.end_s - 1e-9
-        info: dict[str, Any] = {"t_s": session.time_s, **{f"reward_{name}": value for name, value in terms.items()}}
-        info |= done
+        done, terms = self._scorer.update(), self._scorer.terms
+        now = session.time_s
+        self._over = now >= session.end_s - 1e-9
         if self.render_mode == "human":
             self.render()
-        return self._observed(), float(sum(terms.values())), self._over, False, info
+        return self._observed(), sum(terms.values()), self._over, False, {"t_s": now, **terms, **done}
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the stage (``rgb_array``), or the window brought up to date (``human``)."""
@@ -243,11 +242,14 @@ class DanceEnv(_Dance):
         self.action_space = spaces.Discrete(len(MOVES))
 
     def _act(self, session: Session, action: Any) -> None:
-        if not self.action_space.contains(action):
+        try:
+            index = operator.index(action)
+        except TypeError:
+            index = -1
+        if not 0 <= index < len(MOVES):
             known = ", ".join(f"{index} {move.value}" for index, move in enumerate(MOVES))
             raise error.InvalidAction(f"action = {action!r} is not allowed: one of {known}")
-        current = session.dispatcher.current
-        wanted = MOVES[int(action)]
+        wanted, current = MOVES[index], session.dispatcher.current
         if wanted is not (Move.STOP if current is None else current.move):
             session.dispatcher.order(session.time_s, wanted)
 

@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from gymnasium import spaces
+from numba import njit
 from numpy.typing import NDArray
 
-from sjasim.anticipation.features import LATEST_S, OLDEST_S, PERIODS, Features
+from sjasim.anticipation.features import EARLIEST, LATEST_S, MOVES, OLDEST_S, PERIODS, Features, Row, tell
 from sjasim.config import SessionConfig
 from sjasim.session import Session
-from sjasim.types import SYNCHRONY_KINDS, Move, MoveCommand, SkeletonFrame
-
-Row = NDArray[np.float32]
+from sjasim.types import SYNCHRONY_KINDS, Array, IntArray, Move, MoveCommand, RobotState, Skeletons
 
 REACH_M = 20.0
 """Bound of every position [m]: no sensor reaches farther."""
 
-EARLIEST = -2.0
-"""Least beat over 40 that is told, long before the music."""
-
 _JOINTS = 25
+_NOBODY = Skeletons(np.empty(0, dtype=np.int64), np.empty((0, _JOINTS, 3)), np.empty((0, _JOINTS), dtype=np.int8))
+for _part in _NOBODY:
+    _part.flags.writeable = False  # as real ones: the compiled code is the same
+
+_AGE, _REPORTED = 4, 5
+"""Where command and robot tell how old they are."""
 
 
 def parts(config: SessionConfig, steps: int, clients: int) -> dict[str, tuple[tuple[int, ...], Row, Row]]:
@@ -53,8 +56,47 @@ def parts(config: SessionConfig, steps: int, clients: int) -> dict[str, tuple[tu
     }
 
 
+@njit(cache=True)
+def _write(
+    t_s: float, beat: float, last_s: Array, sent_s: float, reported_s: float, joints: Array, state: NDArray[np.int8],
+    order: IntArray, starts: tuple[int, int, int, int, int, int], row: Row,
+) -> None:  # fmt: skip
+    """Write what is another at every instant.
+
+    Args:
+        t_s: session time.
+        beat: of the iteration.
+        last_s: as in `tell`.
+        sent_s: when the command in force was sent.
+        reported_s: when the robot reported last.
+        joints: (P, 25, 3) as in `Skeletons` [m].
+        state: (P, 25) the same.
+        order: (P,) place of each person in the cast; -1 for somebody unknown.
+        starts: where in the row beat, event_age, joints and tracked begin, and where command and robot have an age.
+        row: (N,) to write.
+    """
+    beats, ages, seen_m, tracked, sent, reported = starts
+    tell(t_s, beat, last_s, row[beats:], row[ages:])
+    row[sent] = min(t_s - sent_s, OLDEST_S)
+    row[reported] = min(t_s - reported_s, OLDEST_S)
+    dancers = len(last_s)
+    row[seen_m : seen_m + dancers * _JOINTS * 3] = 0.0
+    row[tracked : tracked + dancers * _JOINTS] = 0.0
+    for person, dancer in enumerate(order):
+        if dancer < 0:
+            continue
+        for k in range(_JOINTS):
+            place = dancer * _JOINTS + k
+            row[tracked + place] = 0.5 * state[person, k]
+            for axis in range(3):
+                at_m = joints[person, k, axis]
+                row[seen_m + 3 * place + axis] = 0.0 if math.isnan(at_m) else at_m
+
+
 class Observer:
     """Keeps one flat row of numbers up to date; its named parts are views of it, and whoever asks gets copies.
+
+    What is another at every instant is written by one compiled call; the rest when it changes.
 
     Args:
         config: any session with the shapes that are to be observed.
@@ -68,11 +110,13 @@ class Observer:
         self._limits = 2.0 * config.robot.max_speed_m_s, 2.0 * config.robot.max_yaw_rate_rad_s
         ends = np.cumsum([math.prod(shape) for shape, _, _ in self._parts.values()]).tolist()
         self._row: Row = np.zeros(ends[-1], dtype=np.float32)
+        starts = dict(zip(self._parts, [0, *ends], strict=False))
         self._views: dict[str, Row] = {
-            name: self._row[end - math.prod(shape) : end].reshape(shape)
+            name: self._row[starts[name] : end].reshape(shape)
             for (name, (shape, _, _)), end in zip(self._parts.items(), ends, strict=True)
         }
-        self._lost = np.zeros(self._parts["joints"][0], dtype=np.bool_)
+        whole = tuple(starts[name] for name in ("beat", "event_age", "joints", "tracked"))
+        self._starts = *whole, starts["command"] + _AGE, starts["robot"] + _REPORTED
 
     @property
     def flat_space(self) -> spaces.Box:
@@ -92,8 +136,13 @@ class Observer:
         self._session = session
         self._features = Features(session.brief)
         self._told = 0
-        self._frame: SkeletonFrame | None = None
         self._row[:] = 0.0
+        self._follow(None)
+        self._locate(None)
+        self._active = ""
+        self._known: Mapping[int, int] = {}
+        self._persons = _NOBODY.persons
+        self._order = self._persons
 
     def flat(self) -> Row:
         """A fresh (N,) row of what is known now."""
@@ -106,80 +155,75 @@ class Observer:
         return {name: view.copy() for name, view in self._views.items()}
 
     def _look(self) -> None:
-        session, views, features = self._session, self._views, self._features
+        session, features = self._session, self._features
         now = session.time_s
-        for event in session.events[self._told :]:
-            features.add(event)
-        self._told = len(session.events)
-        iteration = features.iteration(now)
-        beat = features.beat(now)
-        views["beat"][:] = beat if beat[0] >= EARLIEST else (EARLIEST, *beat[1:])
-        views["event_age"][:] = features.event_age(now)
-        views["iteration"][0] = iteration
-        views["last_iteration"][:] = features.last_iteration(now)
-        views["command"][:] = _command(now, session.dispatcher.current)
-        views["robot"][:] = self._robot(now, iteration)
-        active = session.server.active
-        views["client"][:] = 0.0
-        views["client"][self._place[active]] = 1.0
-        self._see_dancers(session.world.latest(active))
+        if len(session.events) > self._told:
+            self._hear()
+        begun = features.reach(now)
+        if begun:
+            self._views["iteration"][0] = features.iteration
+            self._views["last_iteration"][:] = features.last_iteration
+        dispatcher, server = session.dispatcher, session.server
+        if dispatcher.current is not self._command:
+            self._follow(dispatcher.current)
+        if begun or dispatcher.state is not self._state:
+            self._locate(dispatcher.state)
+        if server.active != self._active:
+            self._turn_to(server.active)
+        frame = session.world.latest(self._active)
+        seen = _NOBODY if frame is None else frame.skeletons
+        known = server.known(self._active)
+        if known is not self._known or seen.persons is not self._persons:
+            self._known, self._persons = known, seen.persons
+            self._order = np.array([known.get(person, -1) for person in seen.persons.tolist()], dtype=np.int64)
+        _write(
+            now, features.beat(now), features.last_s, self._sent_s, self._reported_s, seen.joints, seen.state,
+            self._order, self._starts, self._row,
+        )  # fmt: skip
 
-    def _robot(self, now: float, iteration: int) -> tuple[float, ...]:
-        """Odometry from its slot, along the heading that the iteration has before its turn."""
-        session = self._session
-        state = session.dispatcher.state
+    def _hear(self) -> None:
+        """Take in the events that have come since the last time."""
+        for event in self._session.events[self._told :]:
+            self._features.add(event)
+        self._told = len(self._session.events)
+
+    def _follow(self, command: MoveCommand | None) -> None:
+        """The move in force, one of four, its speed and its yaw rate; before the first command the robot stands."""
+        self._command = command
+        if command is None:
+            self._sent_s, chosen = -math.inf, (Move.STOP, 0.0, 0.0)
+        else:
+            speed = -command.speed_m_s if command.move is Move.BACKWARD else command.speed_m_s
+            self._sent_s, chosen = command.t_start_s, (command.move, speed, command.yaw_rate_rad_s)
+        view = self._views["command"]
+        view[: len(MOVES)] = [chosen[0] is move for move in MOVES]
+        view[_AGE + 1 :] = chosen[1:]
+
+    def _locate(self, state: RobotState | None) -> None:
+        """Odometry from the robot's slot, along the heading that the iteration has before its turn."""
+        self._state = state
         if state is None:
-            return 0.0, 0.0, 0.0, 0.0, 0.0, OLDEST_S
-        heading = session.timetable.heading_rad(max(iteration, 1))
+            self._reported_s = -math.inf
+            return
+        session = self._session
+        self._reported_s = state.t_s
+        heading = session.timetable.heading_rad(max(self._features.iteration, 1))
         x, y = state.x_m - float(session.layout.robot[0]), state.y_m - float(session.layout.robot[1])
         cos, sin = math.cos(heading), math.sin(heading)
         fastest, quickest = self._limits
-        return (
+        self._views["robot"][:_REPORTED] = (
             _bounded(x * cos + y * sin, REACH_M),
             _bounded(y * cos - x * sin, REACH_M),
             math.remainder(state.heading_rad - heading, math.tau),
             _bounded(state.step_m * session.config.robot.odometry_hz, fastest),
             _bounded(state.yaw_rate_rad_s, quickest),
-            min(now - state.t_s, OLDEST_S),
         )
 
-    def _see_dancers(self, frame: SkeletonFrame | None) -> None:
-        """Skeletons in the sensor's own axes, in the order of the cast; zeros for whom or what it does not see."""
-        if frame is self._frame:
-            return
-        self._frame = frame
-        joints, tracked = self._views["joints"], self._views["tracked"]
-        if frame is None:
-            joints[:] = 0.0
-            tracked[:] = 0.0
-            return
-        seen, state = frame.skeletons.joints, frame.skeletons.state
-        name = self._session.server.name
-        names = [name(frame.sensor, person) for person in frame.skeletons.persons.tolist()]
-        cast = self._session.brief.cast
-        if tuple(names) != cast:
-            known = [(row, cast.index(name)) for row, name in enumerate(names) if name is not None]
-            rows, places = [row for row, _ in known], [place for _, place in known]
-            joints[:] = 0.0
-            tracked[:] = 0.0
-            joints[places] = seen[rows]
-            tracked[places] = 0.5 * state[rows]
-        else:
-            joints[:] = seen
-            np.multiply(state, 0.5, out=tracked, casting="same_kind")
-        np.isnan(joints, out=self._lost)
-        np.copyto(joints, 0.0, where=self._lost)
-
-
-def _command(now: float, command: MoveCommand | None) -> tuple[float, ...]:
-    """The move in force, one of four, the seconds since it was sent, its speed and its yaw rate."""
-    if command is None:
-        return 1.0, 0.0, 0.0, 0.0, OLDEST_S, 0.0, 0.0
-    move = command.move
-    chosen = (float(move is Move.STOP), float(move is Move.FORWARD), float(move is Move.BACKWARD),
-              float(move is Move.TURN))  # fmt: skip
-    speed = -command.speed_m_s if move is Move.BACKWARD else command.speed_m_s
-    return *chosen, min(now - command.t_start_s, OLDEST_S), speed, command.yaw_rate_rad_s
+    def _turn_to(self, sensor: str) -> None:
+        """Another client is active."""
+        self._active = sensor
+        self._views["client"][:] = 0.0
+        self._views["client"][self._place[sensor]] = 1.0
 
 
 def _bounded(value: float, limit: float) -> float:

@@ -12,18 +12,20 @@ from gymnasium import error
 
 from sjasim.analysis.group import together
 from sjasim.anticipation.appropriateness import ideal_times
+from sjasim.anticipation.features import iteration_at
 from sjasim.anticipation.history import nominal_times
 from sjasim.logs import AgentEvent
 from sjasim.session import Session
 from sjasim.types import Array, Event, Kind
 
-TERMS = ("timing", "missed", "spurious", "collision", "drift")
+NOTHING = dict.fromkeys([f"reward_{term}" for term in ("timing", "missed", "spurious", "collision", "drift")], 0.0)
+"""What a step earns in which nothing happens, by the names that ``info`` uses."""
 
 SETTLED_S = 0.5
 """How long after a window's end an iteration is settled: by then every event of it has arrived."""
 
-TOUCH_S = 0.1
-"""How often it is looked whether robot and dancers touch; each look stands for the time since the last."""
+LOOK_S = 0.1
+"""How often it is looked where the robot is and whom it touches; each look stands for the time since the last."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,17 +80,20 @@ class Scorer:
     Attributes:
         session: what is judged.
         config: the weights.
-        terms: what the last step earned, by term.
+        terms: what the last step earned, named as in `NOTHING`.
     """
 
     session: Session
     config: RewardConfig
-    terms: dict[str, float] = field(default_factory=lambda: dict.fromkeys(TERMS, 0.0))
+    terms: dict[str, float] = field(default_factory=NOTHING.copy)
     _told: int = 0
     _danced: int = 0
     _iteration: int = 1
-    _t_s: float = 0.0
-    _touched_s: float = 0.0
+    _looked_s: float = field(init=False)
+    _settled_s: float = field(init=False)
+    _until_s: float = -math.inf
+    _ahead: tuple[float, float] = (0.0, 1.0)
+    _slot: tuple[float, float] = field(init=False)
     _expected: Array = field(init=False)
     _dancers: Array = field(init=False)
     _robot: Array = field(init=False)
@@ -105,7 +110,9 @@ class Scorer:
         self._ordinals = {}
         for step in brief.steps:
             self._ordinals.setdefault(step.kind, []).append(step.ordinal)
-        self._t_s = self._touched_s = self.session.time_s
+        self._settled_s = brief.window_end_s[1] + SETTLED_S
+        self._slot = float(self.session.layout.robot[0]), float(self.session.layout.robot[1])
+        self._looked_s = self.session.time_s
 
     def update(self) -> dict[str, object]:
         """Judge everything since the last time; `terms` holds what it earned.
@@ -114,22 +121,21 @@ class Scorer:
             the figures of an iteration that has been settled meanwhile, else nothing.
         """
         session = self.session
-        self.terms = dict.fromkeys(TERMS, 0.0)
-        for event in session.events[self._told :]:
-            self._hear(event)
-        self._told = len(session.events)
+        self.terms = NOTHING.copy()
+        if len(session.events) > self._told:
+            for event in session.events[self._told :]:
+                self._hear(event)
+            self._told = len(session.events)
         danced = session.world.robot_events
-        for own in danced[self._danced :]:
-            self._see(own)
-        self._danced = len(danced)
+        if len(danced) > self._danced:
+            for own in danced[self._danced :]:
+                self._see(own)
+            self._danced = len(danced)
         now = session.time_s
-        self._judge_place(now, now - self._t_s)
-        self._t_s = now
-        brief = session.brief
-        if self._iteration <= brief.iterations and now >= brief.window_end_s[self._iteration] + SETTLED_S:
-            self._iteration += 1
-            return self._settle(self._iteration - 1)
-        return {}
+        if now >= self._looked_s + LOOK_S - 1e-9:
+            self._look(now, now - self._looked_s)
+            self._looked_s = now
+        return self._settle() if now >= self._settled_s else {}
 
     def _step(self, iteration: int, kind: Kind, after_s: float) -> int | None:
         """The step of this kind that is expected nearest to a time after an iteration's beat 0."""
@@ -157,7 +163,7 @@ class Scorer:
             after = own.t_s - brief.iteration_start_s[own.iteration]
             step = self._step(own.iteration, own.kind, after)
         if step is None or self._paid[own.iteration, step] or np.isfinite(self._robot[own.iteration, step]):
-            self.terms["spurious"] -= self.config.spurious
+            self.terms["reward_spurious"] -= self.config.spurious
             return
         self._robot[own.iteration, step] = after
         self._pay_if_known(own.iteration, step)
@@ -172,32 +178,43 @@ class Scorer:
         ideal = float(ideal_times(self._dancers[iteration, :, step : step + 1])[0])
         off = abs(float(self._robot[iteration, step]) - ideal)
         if math.isfinite(off):
-            self.terms["timing"] += self.config.timing * (1.0 - min(off, self.config.worst_s))
+            self.terms["reward_timing"] += self.config.timing * (1.0 - min(off, self.config.worst_s))
 
-    def _settle(self, iteration: int) -> dict[str, object]:
+    def _settle(self) -> dict[str, object]:
+        """Close the books of the iteration whose time has come."""
+        iteration, ends_s = self._iteration, self.session.brief.window_end_s
+        self._iteration += 1
+        self._settled_s = ends_s[self._iteration] + SETTLED_S if self._iteration < len(ends_s) else math.inf
         for step in np.flatnonzero(~self._paid[iteration]).tolist():
             if np.isfinite(self._robot[iteration, step]):
                 self._pay(iteration, step)
             else:
                 self._paid[iteration, step] = True
-                self.terms["missed"] -= self.config.missed
+                self.terms["reward_missed"] -= self.config.missed
         return figures(self.session, iteration)
 
-    def _judge_place(self, now: float, interval_s: float) -> None:
-        session, config = self.session, self.config
-        if now >= self._touched_s + TOUCH_S - 1e-9:
-            if session.world.stage.bumped():
-                self.terms["collision"] -= config.collision * (now - self._touched_s)
-            self._touched_s = now
-        x, y, _ = session.world.stage.robot_pose()
-        x, y = x - session.layout.robot[0], y - session.layout.robot[1]
-        heading = session.timetable.heading_rad(max(session.timetable.iteration_at(now), 1))
-        cos, sin = math.cos(heading), math.sin(heading)
+    def _look(self, now: float, interval_s: float) -> None:
+        """Judge where the robot is, and whom it touches."""
+        config, stage = self.config, self.session.world.stage
+        if stage.contacts.bumped():
+            self.terms["reward_collision"] -= config.collision * interval_s
+        if now > self._until_s:
+            self._face(now)
+        x, y, _ = stage.robot_pose()
+        x, y = x - self._slot[0], y - self._slot[1]
+        cos, sin = self._ahead
         ahead, aside = x * cos + y * sin, y * cos - x * sin
-        beyond = ahead - min(max(ahead, 0.0), session.config.room.move_m)
+        beyond = ahead - min(max(ahead, 0.0), self.session.config.room.move_m)
         outside = min(math.hypot(beyond, aside) - config.lane_m, config.worst_m)
         if outside > 0.0:
-            self.terms["drift"] -= config.drift * outside * interval_s
+            self.terms["reward_drift"] -= config.drift * outside * interval_s
+
+    def _face(self, now: float) -> None:
+        """The lane runs along the heading of the iteration whose window is open."""
+        session, iteration = self.session, iteration_at(self.session.brief, now)
+        heading = session.timetable.heading_rad(max(iteration, 1))
+        self._ahead = math.cos(heading), math.sin(heading)
+        self._until_s = session.brief.window_end_s[iteration] if iteration < session.brief.iterations else math.inf
 
 
 def figures(session: Session, iteration: int) -> dict[str, object]:

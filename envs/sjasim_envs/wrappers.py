@@ -8,10 +8,9 @@ import gymnasium as gym
 import numpy as np
 from gymnasium import error, spaces
 
+from sjasim.anticipation.features import Row
 from sjasim.anticipation.learned import Steps
 from sjasim.session import Session
-
-from .observation import Row
 
 PARTS = ("beat", "command", "event_age", "iteration", "last_iteration")
 

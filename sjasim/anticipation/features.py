@@ -6,6 +6,7 @@ import math
 from bisect import bisect_left
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from ..answers import Brief
@@ -29,11 +30,15 @@ OLDEST_S = 10.0
 LATEST_S = 3.0
 """Bound of what is told of the last iteration's times, to both sides of the music [s]."""
 
+EARLIEST = -2.0
+"""Least beat over 40 that is told, long before the music; its opposite is the greatest."""
+
 PERIODS = (1.0, 4.0, 8.0, 40.0)
 """Beats after which each of the beat's phases comes again: beat, bar, two bars, the paper's iteration."""
 
-_TURNS = [math.tau / period for period in PERIODS]
+_TURNS = np.array([math.tau / period for period in PERIODS])
 _KIND = {kind: index for index, kind in enumerate(SYNCHRONY_KINDS)}
+_BEATS = 1 + 2 * len(PERIODS)
 
 
 def iteration_at(brief: Brief, t_s: float) -> int:
@@ -41,20 +46,46 @@ def iteration_at(brief: Brief, t_s: float) -> int:
     return min(bisect_left(brief.window_end_s, t_s), brief.iterations)
 
 
+@njit(cache=True)
+def tell(t_s: float, beat: float, last_s: Array, beats: Row, ages: Row) -> None:
+    """Write what is another at every instant.
+
+    Args:
+        t_s: session time.
+        beat: of the iteration.
+        last_s: (D, 5, 2) when each dancer last did each kind [s]; regular, then early.
+        beats: (9,) to write: the beat over 40, then cosines and sines of its phases in `PERIODS`.
+        ages: (D * 10,) to write: seconds since each of ``last_s``, at most `OLDEST_S`.
+    """
+    beats[0] = min(max(beat / 40.0, EARLIEST), -EARLIEST)
+    for k in range(len(_TURNS)):
+        beats[1 + k], beats[1 + len(_TURNS) + k] = math.cos(_TURNS[k] * beat), math.sin(_TURNS[k] * beat)
+    for k, then_s in enumerate(last_s.flat):
+        ages[k] = min(max(t_s - then_s, 0.0), OLDEST_S)
+
+
 class Features:
     """Events in, rows of numbers out; it knows what a method knows and nothing more.
 
     Args:
         brief: the dance.
+
+    Attributes:
+        iteration: the one whose window holds the session time that has been reached; the last one after it.
+        last_s: (D, 5, 2) when each dancer last did each kind [s]; regular, then early.
+        last_iteration: (D, K) when each dancer did each step in the iteration before, after its beat [s]; 0 where
+            unknown.
     """
 
     def __init__(self, brief: Brief) -> None:
         self._brief = brief
         self._history = History(brief, EPSILON_S)
-        self._closed = -1
         self._person = {name: index for index, name in enumerate(brief.cast)}
-        self._last_s = np.full((len(brief.cast), len(SYNCHRONY_KINDS), 2), -np.inf)
-        self._last_iteration = np.zeros((len(brief.cast), len(brief.steps)), dtype=np.float32)
+        self._until_s = -math.inf
+        self._first_beat = 0.0
+        self.iteration = 0
+        self.last_s = np.full((len(brief.cast), len(SYNCHRONY_KINDS), 2), -np.inf)
+        self.last_iteration: Row = np.zeros((len(brief.cast), len(brief.steps)), dtype=np.float32)
 
     def add(self, event: Event) -> None:
         """Remember an event; those of persons outside the cast are not told."""
@@ -63,43 +94,37 @@ class Features:
             return
         self._history.add(event)
         place = person, _KIND[event.kind], int(event.early)
-        self._last_s[place] = max(self._last_s[place], event.t_s)
+        self.last_s[place] = max(self.last_s[place], event.t_s)
 
-    def iteration(self, t_s: float) -> int:
-        """The iteration whose window holds a session time; the last one after it."""
-        return iteration_at(self._brief, t_s)
+    def reach(self, t_s: float) -> bool:
+        """Go on to a session time, not before the last one; whether another iteration has begun, or the first."""
+        if t_s <= self._until_s:
+            return False
+        brief = self._brief
+        iteration = self.iteration = iteration_at(brief, t_s)
+        self._until_s = brief.window_end_s[iteration] if iteration < brief.iterations else math.inf
+        self._first_beat = brief.music(brief.iteration_start_s[iteration])
+        if iteration:
+            late_s = np.nan_to_num(self._history.times(iteration - 1) - nominal_times(brief, iteration - 1))
+            self.last_iteration = np.clip(late_s, -LATEST_S, LATEST_S).astype(np.float32)
+        return True
 
-    def beat(self, t_s: float) -> tuple[float, ...]:
-        """The beat of the iteration over 40, then cosines and sines of its phases in `PERIODS`; 9 numbers."""
-        beat = self._brief.beat(self.iteration(t_s), t_s)
-        phases = [turn * beat for turn in _TURNS]
-        return beat / 40.0, *map(math.cos, phases), *map(math.sin, phases)
-
-    def event_age(self, t_s: float) -> Array:
-        """(D, 5, 2) seconds since each dancer's last event of each kind; regular, then early."""
-        return np.asarray(np.minimum(t_s - self._last_s, OLDEST_S))
-
-    def last_iteration(self, t_s: float) -> Row:
-        """(D, K) when each dancer did each step in the iteration before, after its beat [s]; 0 where unknown."""
-        before = self.iteration(t_s) - 1
-        if before != self._closed:
-            self._closed = before
-            late_s = np.nan_to_num(self._history.times(before) - nominal_times(self._brief, before))
-            self._last_iteration = np.clip(late_s, -LATEST_S, LATEST_S).astype(np.float32)
-        return self._last_iteration
+    def beat(self, t_s: float) -> float:
+        """The beat of the iteration that has been reached."""
+        return self._brief.music(t_s) - self._first_beat
 
     def row(self, t_s: float, move: int, sent_s: float) -> Row:
         """(N,) everything a learned method is told.
 
         Args:
-            t_s: session time.
+            t_s: session time, not before the last one.
             move: of the robot in force, by its place in `MOVES`.
             sent_s: session time when it was sent.
         """
+        self.reach(t_s)
+        beats, ages = np.empty(_BEATS, dtype=np.float32), np.empty(self.last_s.size, dtype=np.float32)
+        tell(t_s, self.beat(t_s), self.last_s, beats, ages)
         chosen = [0.0] * len(MOVES)
         chosen[move] = 1.0
-        head = [*self.beat(t_s), *chosen, min(t_s - sent_s, OLDEST_S)]
-        late = self.last_iteration(t_s).ravel()
-        return np.concatenate(
-            [np.array(head), self.event_age(t_s).ravel(), [self.iteration(t_s)], late], dtype=np.float32
-        )
+        own, late_s = [*chosen, min(t_s - sent_s, OLDEST_S)], self.last_iteration.ravel()
+        return np.concatenate([beats, own, ages, [self.iteration], late_s], dtype=np.float32)

@@ -15,7 +15,8 @@ class SensorConfig:
 
     Attributes:
         rate_hz: frame rate.
-        status_hz: rate of client status reports; also the frame rate of a client that idles.
+        status_hz: rate of client status reports.
+        idle_hz: frame rate of a client that idles, at most that of its reports; those between say only that it lives.
         latency_frames: frames between capture and the moment the client has processed it (Kinect v2: about 2).
         horizontal_fov_rad: field of view, 70.6 degrees.
         vertical_fov_rad: 60 degrees.
@@ -33,6 +34,7 @@ class SensorConfig:
 
     rate_hz: int = 30
     status_hz: int = 5
+    idle_hz: int = 2
     latency_frames: int = 2
     horizontal_fov_rad: float = math.radians(70.6)
     vertical_fov_rad: float = math.radians(60.0)
@@ -49,6 +51,7 @@ class SensorConfig:
     def __post_init__(self) -> None:
         within("sensors.rate_hz", self.rate_hz, 5, 120)
         within("sensors.status_hz", self.status_hz, 1, self.rate_hz)
+        within("sensors.idle_hz", self.idle_hz, 1, self.rate_hz)
         within("sensors.latency_frames", self.latency_frames, 0, 30)
         within("sensors.horizontal_fov_rad", self.horizontal_fov_rad, 0.2, 3.0)
         within("sensors.vertical_fov_rad", self.vertical_fov_rad, 0.2, 3.0)

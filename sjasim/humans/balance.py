@@ -17,20 +17,22 @@ import numpy as np
 from numba import njit
 
 from ..assets.names import ACTUATED_INDEX, LEG_JOINTS
-from ..types import Array, DancerStates, IntArray, JointTargets, Servos
-from .reference import Reference
+from ..types import Array, IntArray, Servos
+from .reference import ANKLES, DCM, JOINTS, LANDING, PELVIS, TORQUE, YAW, Reference
+from .reference import WEIGHT as WEIGHT_LEFT
 
 _LEGS = np.array([[ACTUATED_INDEX[f"{joint}_{side}"] for joint in LEG_JOINTS] for side in "LR"])
 HIP_Z, HIP_X, HIP_Y, _, ANKLE_Y, ANKLE_X = range(6)
+HINGES = 25
 (
-    PRESSURE_ALONG, PRESSURE_ACROSS, PITCH, PITCH_RATE, ROLL, STEP_ALONG, STEP_ACROSS, DRIFT, YAW, DECAY, AHEAD, EFFORT,
+    PRESSURE_ALONG, PRESSURE_ACROSS, PITCH, PITCH_RATE, ROLL, STEP_ALONG, STEP_ACROSS, DRIFT, YAW_GAIN, DECAY, AHEAD,
+    EFFORT,
 ) = range(12)  # fmt: skip
-Plan = tuple[Array, Array, Array, Array, Array, Array, Array, Array]
-"""Joints, pelvis, yaw, divergent component, weight, ankles, time to landing, torque: rows per tick."""
 COM, VELOCITY, ROOT, RATE, LEFT, RIGHT = 0, 3, 6, 12, 18, 21
 """Where the parts of `types.DancerStates.rows` begin."""
-STIFFNESS, LEAD, ROOT_LEAD, WEIGHT, LEG = 0, 25, 50, 55, 56
-"""Where the parts of a dancer's actuators begin: stiffness, leads of hinges and tether, body weight, leg length."""
+STIFFNESS, LEAD, ROOT_LEAD, WEIGHT, LEG, OMEGA = 0, 25, 50, 55, 56, 57
+"""Where the parts of a dancer's actuators begin: stiffness, leads of hinges and tether, body weight, leg length; behind
+them the pendulum's rate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,13 +69,6 @@ class BalanceGains:
 
 
 @njit(cache=True)
-def _follow_plan(row: Array, before: Array, after: Array, per: float, lead: Array, ahead: float, out: Array) -> None:
-    """Targets that servos with damping need to follow a plan: its row plus its rate times their lead."""
-    for k in range(len(out)):
-        out[k] = row[k] + (lead[k] + ahead) * per * (after[k] - before[k])
-
-
-@njit(cache=True)
 def _turned(yaw: float, x: float, y: float) -> tuple[float, float]:
     """A horizontal vector seen from a heading: forward, left."""
     c, s = cos(yaw), sin(yaw)
@@ -86,101 +81,136 @@ def _limited(value: float, low: float, high: float) -> float:
 
 
 @njit(cache=True)
+def _follow_plan(d: int, i: int, a: int, b: int, rate: float, plan: Array, servo: Array, gain: Array, u: Array) -> None:
+    """Targets that servos with damping need: the plan's row plus its rate times their lead, and what its torques take.
+
+    Its rate is a difference of neighbouring rows; targets run ahead of the plan, since they are held for a tick.
+    """
+    per, ahead, effort = rate / max(b - a, 1), gain[AHEAD] / rate, gain[EFFORT]
+    for k in range(HINGES):
+        rise = (servo[d, LEAD + k] + ahead) * per * (plan[d, b, JOINTS + k] - plan[d, a, JOINTS + k])
+        torque = plan[d, i, TORQUE + k] + ahead * per * (plan[d, b, TORQUE + k] - plan[d, a, TORQUE + k])
+        u[d, k] = (plan[d, i, JOINTS + k] + rise) + effort * torque / servo[d, STIFFNESS + k]
+    for k in range(3):  # the tether takes x, y and, behind z, yaw
+        column, lead = PELVIS + k if k < 2 else YAW, servo[d, ROOT_LEAD + k]
+        u[d, HINGES + k] = plan[d, i, column] + (lead + ahead) * per * (plan[d, b, column] - plan[d, a, column])
+
+
+@njit(cache=True)
 def _stand(
-    u: Array, leg: IntArray, on: float, push: tuple[float, float], root: Array, rate: float, off: float,
-    load: float, stiffness: Array, gain: Array,
-) -> None:  # fmt: skip
+    d: int,
+    side: int,
+    on: float,
+    push: tuple[float, float],
+    off: float,
+    felt: Array,
+    servo: Array,
+    gain: Array,
+    u: Array,
+) -> None:
     """Standing leg: the ankle moves the pressure point, the hip rights the trunk."""
-    hz, hx, hy, ay, ax = leg[HIP_Z], leg[HIP_X], leg[HIP_Y], leg[ANKLE_Y], leg[ANKLE_X]
-    u[ay] += on * load * push[0] / stiffness[ay]
-    u[ax] -= on * load * push[1] / stiffness[ax]
-    u[hy] += on * (gain[PITCH] * root[4] + gain[PITCH_RATE] * rate)
-    u[hx] += on * gain[ROLL] * root[5]
-    u[hz] += on * gain[YAW] * off * 0.5
+    hz, hx, hy = _LEGS[side, HIP_Z], _LEGS[side, HIP_X], _LEGS[side, HIP_Y]
+    ay, ax, load = _LEGS[side, ANKLE_Y], _LEGS[side, ANKLE_X], servo[d, WEIGHT]
+    u[d, ay] += on * load * push[0] / servo[d, STIFFNESS + ay]
+    u[d, ax] -= on * load * push[1] / servo[d, STIFFNESS + ax]
+    u[d, hy] += on * (gain[PITCH] * felt[d, ROOT + 4] + gain[PITCH_RATE] * felt[d, RATE + 4])
+    u[d, hx] += on * gain[ROLL] * felt[d, ROOT + 5]
+    u[d, hz] += on * gain[YAW_GAIN] * off * 0.5
 
 
 @njit(cache=True)
 def _foothold(
-    shift: Array, sign: float, landing: float, omega: float, error: tuple[float, float], drift: tuple[float, float],
-    off: float, gain: Array,
+    d: int, side: int, landing: float, omega: float, error: tuple[float, float], drift: tuple[float, float],
+    off: float, gain: Array, shift: Array,
 ) -> None:  # fmt: skip
     """Where a swinging foot should land other than planned: forward, left [m] and yaw [rad], in place."""
-    grow = exp(omega * min(landing, 0.4))
-    shift[0] = _limited(gain[STEP_ALONG] * error[0] * grow - gain[DRIFT] * drift[0], -0.15, 0.15)
+    grow, sign = exp(omega * min(landing, 0.4)), 1.0 if side == 0 else -1.0
+    shift[d, side, 0] = _limited(gain[STEP_ALONG] * error[0] * grow - gain[DRIFT] * drift[0], -0.15, 0.15)
     across = _limited(gain[STEP_ACROSS] * error[1] * grow - gain[DRIFT] * drift[1], -0.15, 0.15)
-    shift[1] = -sign * 0.06 if sign * across < -0.06 else across
-    shift[2] = -gain[YAW] * off
+    shift[d, side, 1] = -sign * 0.06 if sign * across < -0.06 else across
+    shift[d, side, 2] = -gain[YAW_GAIN] * off
 
 
 @njit(cache=True)
-def _reach(u: Array, leg: IntArray, shift: Array, length: float) -> None:
+def _reach(d: int, side: int, shift: Array, length: float, u: Array) -> None:
     """Move a leg's foot by a small shift, the sole staying flat."""
-    u[leg[HIP_Y]] -= shift[0] / length
-    u[leg[ANKLE_Y]] += shift[0] / length
-    u[leg[HIP_X]] += shift[1] / length
-    u[leg[ANKLE_X]] -= shift[1] / length
-    u[leg[HIP_Z]] += shift[2]
+    along, across = shift[d, side, 0] / length, shift[d, side, 1] / length
+    u[d, _LEGS[side, HIP_Y]] -= along
+    u[d, _LEGS[side, ANKLE_Y]] += along
+    u[d, _LEGS[side, HIP_X]] += across
+    u[d, _LEGS[side, ANKLE_X]] -= across
+    u[d, _LEGS[side, HIP_Z]] += shift[d, side, 2]
+
+
+@njit(cache=True)
+def _errors(d: int, i: int, omega: float, plan: Array, felt: Array) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Forward and left: how far the divergent component is off the plan, and the standing feet [m]."""
+    w, yaw = plan[d, i, WEIGHT_LEFT], felt[d, ROOT + 3]
+    drift = _turned(
+        yaw,
+        w * (felt[d, LEFT] - plan[d, i, ANKLES]) + (1 - w) * (felt[d, RIGHT] - plan[d, i, ANKLES + 3]),
+        w * (felt[d, LEFT + 1] - plan[d, i, ANKLES + 1]) + (1 - w) * (felt[d, RIGHT + 1] - plan[d, i, ANKLES + 4]),
+    )
+    error = _turned(
+        yaw,
+        felt[d, COM] + felt[d, VELOCITY] / omega - plan[d, i, DCM],
+        felt[d, COM + 1] + felt[d, VELOCITY + 1] / omega - plan[d, i, DCM + 1],
+    )
+    return error, drift
 
 
 @njit(cache=True)
 def _correct(
-    i: int, until: int, rate: float, omega: float, plan: Plan, felt: Array, servo: Array, gain: Array, shift: Array,
-    u: Array, root_out: Array,
+    d: int, tick: int, until: int, rate: float, plan: Array, felt: Array, servo: Array, gain: Array, shift: Array,
+    u: Array,
 ) -> None:  # fmt: skip
     """Targets of one dancer for one tick."""
-    joints, pelvis, yaw, dcm, weight, ankles, landing, torque = plan
-    root, stiffness, root_lead = felt[ROOT:RATE], servo[STIFFNESS:LEAD], servo[ROOT_LEAD:WEIGHT]
     last = until - 1
-    a, b = min(max(i - 1, 0), last), min(i + 1, last)
-    i = min(i, last)
-    per, ahead = rate / max(b - a, 1), gain[AHEAD] / rate
-    _follow_plan(joints[i], joints[a], joints[b], per, servo[LEAD:ROOT_LEAD], ahead, u)
-    for k in range(len(u)):
-        u[k] += gain[EFFORT] * (torque[i, k] + ahead * per * (torque[b, k] - torque[a, k])) / stiffness[k]
-    _follow_plan(pelvis[i], pelvis[a], pelvis[b], per, root_lead[:2], ahead, root_out[:2])
-    root_out[2] = yaw[i] + (root_lead[2] + ahead) * per * (yaw[b] - yaw[a])
-    w, off = weight[i], root[3] - yaw[i]
-    drift = _turned(
-        root[3],
-        w * (felt[LEFT] - ankles[i, 0, 0]) + (1 - w) * (felt[RIGHT] - ankles[i, 1, 0]),
-        w * (felt[LEFT + 1] - ankles[i, 0, 1]) + (1 - w) * (felt[RIGHT + 1] - ankles[i, 1, 1]),
-    )
-    error = _turned(
-        root[3],
-        felt[COM] + felt[VELOCITY] / omega - dcm[i, 0],
-        felt[COM + 1] + felt[VELOCITY + 1] / omega - dcm[i, 1],
-    )
+    i = min(tick, last)
+    _follow_plan(d, i, min(max(tick - 1, 0), last), min(tick + 1, last), rate, plan, servo, gain, u)
+    omega, w, off = servo[d, OMEGA], plan[d, i, WEIGHT_LEFT], felt[d, ROOT + 3] - plan[d, i, YAW]
+    error, drift = _errors(d, i, omega, plan, felt)
     wide = 0.08 if 0.15 < w < 0.85 else 0.03
     push = (
         _limited(gain[PRESSURE_ALONG] * error[0], -0.09, 0.12),
         _limited(gain[PRESSURE_ACROSS] * error[1], -wide, wide),
     )
     for side in range(2):
-        on, sign = (w, 1.0) if side == 0 else (1.0 - w, -1.0)
-        leg = _LEGS[side]
+        on, landing = w if side == 0 else 1.0 - w, plan[d, i, LANDING + side]
         if on >= 0.03:
-            _stand(u, leg, on, push, root, felt[RATE + 4], off, servo[WEIGHT], stiffness, gain)
-        if landing[i, side] > 0:
-            _foothold(shift[side], sign, landing[i, side], omega, error, drift, off, gain)
-            u[leg[ANKLE_Y]] -= root[4]
-            u[leg[ANKLE_X]] -= root[5]
+            _stand(d, side, on, push, off, felt, servo, gain, u)
+        if landing > 0:
+            _foothold(d, side, landing, omega, error, drift, off, gain, shift)
+            u[d, _LEGS[side, ANKLE_Y]] -= felt[d, ROOT + 4]
+            u[d, _LEGS[side, ANKLE_X]] -= felt[d, ROOT + 5]
         else:
-            shift[side] *= gain[DECAY] ** (60.0 / rate)
-        _reach(u, leg, shift[side], servo[LEG])
+            for k in range(3):
+                shift[d, side, k] *= gain[DECAY] ** (60.0 / rate)
+        _reach(d, side, shift, servo[d, LEG], u)
 
 
 @njit(cache=True)
-def _correct_all(
-    i: int, until: IntArray, rate: float, omega: Array, plan: Plan, felt: Array, servo: Array, gain: Array,
-    shift: Array, out: Array, root_out: Array,
+def correct(
+    tick: int, rate: float, until: IntArray, plan: Array, felt: Array, servo: Array, gain: Array, shift: Array,
+    targets: Array,
 ) -> None:  # fmt: skip
-    joints, pelvis, yaw, dcm, weight, ankles, landing, torque = plan
-    for d in range(len(omega)):
-        _correct(
-            i, until[d], rate, omega[d],
-            (joints[d], pelvis[d], yaw[d], dcm[d], weight[d], ankles[d], landing[d], torque[d]),
-            felt[d], servo[d], gain, shift[d], out[d], root_out[d],
-        )  # fmt: skip
+    """Write everybody's targets for one control tick.
+
+    Whole arrays and indices are handed on, not views of rows: making these takes longer than what is done with them.
+
+    Args:
+        tick: which one.
+        rate: of the ticks [Hz].
+        until: (D,) how many rows are planned.
+        plan: (D, T, 67) rows of `Reference`.
+        felt: (D, 36) rows of `types.DancerStates`.
+        servo: (D, 58) the actuators, see `STIFFNESS`.
+        gain: (12,) `BalanceGains`.
+        shift: (D, 2, 3) how the feet's places differ from the plan, in and out: forward, left [m], yaw [rad].
+        targets: (D, 30) output: hinges, then the tether.
+    """
+    for d in range(len(until)):
+        _correct(d, tick, until[d], rate, plan, felt, servo, gain, shift, targets)
 
 
 class Balance:
@@ -192,27 +222,19 @@ class Balance:
         rate_hz: control rate.
         servos: the dancers' actuators.
         gains: of the controller.
+
+    Attributes:
+        memory: what `correct` takes behind the felt state, in its order: actuators, gains, foot shifts and, as its
+            output, the targets.
     """
 
     def __init__(
         self, reference: Reference, omega: Array, rate_hz: int, servos: Servos, gains: BalanceGains | None = None
     ) -> None:
-        r, s = reference, servos
-        self._plan = (r.joints, r.pelvis, r.yaw, r.dcm, r.weight, r.ankles, r.landing, r.torque)
-        self._until = r.until
-        self._servo = np.column_stack([s.stiffness, s.lead, s.root_lead, s.weight, s.leg])
-        self._omega = omega
-        self._rate = float(rate_hz)
-        self._gains = np.array(astuple(gains or BalanceGains()))
-        dancers = len(omega)
-        self._shift = np.zeros((dancers, 2, 3))
-        self._joints = np.zeros((dancers, 25))
-        self._root = np.zeros((dancers, 5))
-
-    def targets(self, tick: int, states: DancerStates) -> JointTargets:
-        """Targets for one control tick; the arrays are overwritten by the next call."""
-        _correct_all(
-            tick, self._until, self._rate, self._omega, self._plan, states.rows, self._servo, self._gains, self._shift,
-            self._joints, self._root,
-        )  # fmt: skip
-        return JointTargets(self._joints, self._root)
+        s, dancers = servos, len(omega)
+        servo = np.column_stack([s.stiffness, s.lead, s.root_lead, s.weight, s.leg, omega])
+        gain = np.array(astuple(gains or BalanceGains()))
+        self.plan = float(rate_hz), reference.until, reference.rows
+        """What `correct` takes before the felt state: rate, rows planned and the plan."""
+        self.targets = np.zeros((dancers, HINGES + 5))
+        self.memory = servo, gain, np.zeros((dancers, 2, 3)), self.targets

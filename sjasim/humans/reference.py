@@ -8,12 +8,18 @@ import numpy as np
 
 from ..types import Array, IntArray
 
+JOINTS, PELVIS, YAW, DCM, WEIGHT, ANKLES, FOOT_YAW, LANDING, TORQUE, WIDTH = 0, 25, 28, 29, 31, 32, 38, 40, 42, 67
+"""Where the parts of a row of the plan begin, and how long it is."""
+
 
 @dataclass(frozen=True, slots=True)
 class Reference:
     """Motion of one dancer (T rows) or of all (D, T rows).
 
+    Whoever reads one tick of everything reads ``rows``, where it lies together; all else are views of these.
+
     Attributes:
+        rows: (T, 67) the plan, a tick per row.
         joints: (T, 25) hinge angles [rad].
         pelvis: (T, 3) [m].
         yaw: (T,) heading [rad].
@@ -27,6 +33,7 @@ class Reference:
             dancers (D,).
     """
 
+    rows: Array
     joints: Array
     pelvis: Array
     yaw: Array
@@ -41,24 +48,25 @@ class Reference:
     @classmethod
     def empty(cls, dancers: int, ticks: int) -> Reference:
         """All zero, with a leading axis for the dancers; its memory is touched here, not while people dance."""
-        shapes = ((25,), (3,), (), (2,), (), (2, 3), (2,), (2,), (25,))
-        joints, pelvis, yaw, dcm, weight, ankles, foot_yaw, landing, torque = (
-            np.full((dancers, ticks, *shape), 0.0) for shape in shapes
+        return cls._over(np.full((dancers, ticks, WIDTH), 0.0), np.zeros(dancers, dtype=np.int64))
+
+    @classmethod
+    def _over(cls, rows: Array, until: IntArray) -> Reference:
+        ticks = rows.shape[:-1]
+        return cls(
+            rows=rows,
+            joints=rows[..., JOINTS:PELVIS],
+            pelvis=rows[..., PELVIS:YAW],
+            yaw=rows[..., YAW],
+            dcm=rows[..., DCM:WEIGHT],
+            weight=rows[..., WEIGHT],
+            ankles=rows[..., ANKLES:FOOT_YAW].reshape(*ticks, 2, 3),
+            foot_yaw=rows[..., FOOT_YAW:LANDING],
+            landing=rows[..., LANDING:TORQUE],
+            torque=rows[..., TORQUE:],
+            until=until,
         )
-        until = np.zeros(dancers, dtype=np.int64)
-        return cls(joints, pelvis, yaw, dcm, weight, ankles, foot_yaw, landing, torque, until)
 
     def of(self, dancer: int) -> Reference:
         """One dancer's rows, as views: writing to them writes to all."""
-        return Reference(
-            self.joints[dancer],
-            self.pelvis[dancer],
-            self.yaw[dancer],
-            self.dcm[dancer],
-            self.weight[dancer],
-            self.ankles[dancer],
-            self.foot_yaw[dancer],
-            self.landing[dancer],
-            self.torque[dancer],
-            self.until[dancer : dancer + 1],
-        )
+        return Reference._over(self.rows[dancer], self.until[dancer : dancer + 1])

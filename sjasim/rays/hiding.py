@@ -1,4 +1,9 @@
-"""Which points something hides from an eye."""
+"""Which points something hides from an eye, compiled.
+
+Everything is looked at in the eye's own frame: x and y across, z away from it. A ray to a point is a pair of slopes
+there, x / z and y / z, and every solid has an outline: a rectangle of slopes that holds it, and how near it comes. A
+solid whose outline a ray misses, or that begins behind the point, cannot hide it; the others the ray is held against.
+"""
 
 from __future__ import annotations
 
@@ -8,127 +13,148 @@ import numpy as np
 from numba import njit
 
 from ..types import Array, BoolArray, IntArray
-from .primitives import meet
+from .primitives import BOX, CAPSULE, CYLINDER, ELLIPSOID, PLANE, meet
 
-BUNDLE = 25
-"""Rays that are tested together against a cone before each is tested alone: one person's joints."""
+ROW, OWNER, FORM = 0, 1, 2
+"""Columns of the whole numbers of `types.Solids`."""
 
-SQUARE, BOUND, BOUND_SQUARE, COLUMNS = 3, 4, 5, 6
-"""Columns of a geom as an eye has it, after its place."""
+BOX_M, BALL_M, SHAPE = 3, 6, 7
+"""Columns of their shapes after the size: half edges of a box, and the radius of a ball round each of its points."""
 
+CENTRE, AXES, OUTLINE, COLUMNS = 0, 3, 12, 17
+"""Columns of a solid as an eye has it: centre [m], rotation (eye from solid, row-major), then the outline."""
 
-@njit(cache=True, error_model="numpy")
-def _distance(kind: int, size: Array, r: Array, x: float, y: float, z: float, d: Array) -> float:
-    """Distance along ``d`` to a geom at (x, y, z) from the eye."""
-    return float(
-        meet(
-            kind, size, -(r[0] * x + r[3] * y + r[6] * z), -(r[1] * x + r[4] * y + r[7] * z),
-            -(r[2] * x + r[5] * y + r[8] * z), r[0] * d[0] + r[3] * d[1] + r[6] * d[2],
-            r[1] * d[0] + r[4] * d[1] + r[7] * d[2], r[2] * d[0] + r[5] * d[1] + r[8] * d[2],
-        )
-    )  # fmt: skip
+LOW_X, HIGH_X, LOW_Y, HIGH_Y, NEAREST, OWN, NUMBERS = 0, 1, 2, 3, 4, 5, 6
+"""An outline's numbers: least and largest slopes, nearest depth [m]; and among a person's, whether it is their own."""
+
+_SLACK_M = 1e-9
+"""Outlines are wider by this, whatever rounding does."""
 
 
-@njit(cache=True, error_model="numpy")
-def hidden(
-    origin: Array, points: Array, whose: IntArray, flesh_m: Array, geoms: IntArray, sizes: Array, positions: Array,
-    rotations: Array, out: BoolArray,
-) -> None:  # fmt: skip
-    """Write which points something hides from an origin.
+def shapes(forms: IntArray, sizes: Array) -> Array:
+    """(G, `SHAPE`) sizes, and for each solid a box and a ball: it lies within the ball round some point of the box.
 
     Args:
-        origin: (3,) world point [m].
-        points: (N, 3) world points [m].
-        whose: (N,) owner of each point.
-        flesh_m: (N,) how deep below its own owner's surface a point may lie and still be seen.
-        geoms: (G, 3) of each geom that hides: its row in ``positions`` and ``rotations``, its owner, its type.
-        sizes: (G, 4) their sizes as MuJoCo has them, and the radius of a sphere around each, 0 for a plane [m].
-        positions: (all, 3) centres [m].
-        rotations: (all, 9) row-major, world from geom.
-        out: (N,) output.
+        forms: (G,) MuJoCo's numbers.
+        sizes: (G, 3) MuJoCo's sizes [m].
     """
-    around = _around(origin, geoms, sizes, positions)
-    near, places = np.empty((len(geoms), COLUMNS)), np.empty(len(geoms), np.int64)
-    directions, lengths = _aim(origin, points)
-    for start in range(0, len(points), BUNDLE):
-        last = min(start + BUNDLE, len(points))
-        found = _in_bundle(directions[start:last], lengths[start:last], around, near, places)
-        for n in range(start, last):
-            dx, dy, dz = directions[n, 0], directions[n, 1], directions[n, 2]
-            out[n] = False
-            for k in range(found):
-                x, y, z = near[k, 0], near[k, 1], near[k, 2]
-                along = x * dx + y * dy + z * dz
-                if near[k, SQUARE] - along * along > near[k, BOUND_SQUARE]:
-                    continue
-                geom = geoms[places[k]]
-                limit = lengths[n] - (flesh_m[n] if geom[1] == whose[n] else 0.0)
-                if along - near[k, BOUND] > limit:
-                    continue
-                way = _distance(geom[2], sizes[places[k]], rotations[geom[0]], x, y, z, directions[n])
-                if way < limit:
-                    out[n] = True
-                    break
-
-
-@njit(cache=True, error_model="numpy")
-def _around(origin: Array, geoms: IntArray, sizes: Array, positions: Array) -> Array:
-    """(G, `COLUMNS`) every geom as an eye has it: place from there, square of the distance, bound and its square."""
-    out = np.empty((len(geoms), COLUMNS))
-    for i in range(len(geoms)):
-        row = out[i]
-        for k in range(3):
-            row[k] = positions[geoms[i, 0], k] - origin[k]
-        row[SQUARE] = row[0] ** 2 + row[1] ** 2 + row[2] ** 2
-        row[BOUND] = sizes[i, 3] if sizes[i, 3] > 0.0 else inf
-        row[BOUND_SQUARE] = row[BOUND] ** 2
+    out = np.zeros((len(forms), SHAPE))
+    out[:, :BOX_M] = sizes
+    edged, long = np.isin(forms, (ELLIPSOID, BOX)), np.isin(forms, (CAPSULE, CYLINDER))
+    out[edged, BOX_M:BALL_M] = sizes[edged]
+    out[long, BALL_M - 1] = sizes[long, 1]
+    out[~edged, BALL_M] = sizes[~edged, 0]
+    out[forms == PLANE, BALL_M] = inf
     return out
 
 
 @njit(cache=True, error_model="numpy")
-def _aim(origin: Array, points: Array) -> tuple[Array, Array]:
-    """(N, 3) unit vectors from the origin to the points, and (N,) their distances."""
-    directions, lengths = np.empty((len(points), 3)), np.empty(len(points))
-    for n in range(len(points)):
-        x, y, z = points[n, 0] - origin[0], points[n, 1] - origin[1], points[n, 2] - origin[2]
-        length = sqrt(x * x + y * y + z * z)
-        directions[n, 0], directions[n, 1], directions[n, 2] = x / length, y / length, z / length
-        lengths[n] = length
-    return directions, lengths
+def outlines(eye: Array, rows: IntArray, shape: Array, position: Array, rotation: Array, seen: Array) -> None:
+    """Write how an eye has every solid.
+
+    Args:
+        eye: (12,) or more: rotation from the world into its frame, row-major, and its place [m].
+        rows: of `types.Solids`, as the next three.
+        shape: sizes, and what bounds them.
+        position: centres in the world [m].
+        rotation: world from solid.
+        seen: (G, `COLUMNS`) output.
+    """
+    half = np.empty(3)
+    for g in range(len(rows)):
+        at = rows[g, ROW]
+        x, y, z = position[at, 0] - eye[9], position[at, 1] - eye[10], position[at, 2] - eye[11]
+        for i in range(3):
+            a, b, c = eye[3 * i], eye[3 * i + 1], eye[3 * i + 2]
+            seen[g, CENTRE + i] = a * x + b * y + c * z
+            half[i] = shape[g, BALL_M] + _SLACK_M
+            for j in range(3):
+                turn = a * rotation[at, j] + b * rotation[at, 3 + j] + c * rotation[at, 6 + j]
+                seen[g, AXES + 3 * i + j] = turn
+                half[i] += abs(turn) * shape[g, BOX_M + j]
+        _outline(seen, g, half)
 
 
 @njit(cache=True, error_model="numpy")
-def _in_bundle(bundle: Array, lengths: Array, around: Array, near: Array, places: IntArray) -> int:
-    """Write which geoms the cone around a bundle of rays may touch, and their places; returns how many.
+def _outline(seen: Array, g: int, half: Array) -> None:
+    """Write the outline of what lies within half widths of its centre; endless if it reaches the eye's own plane."""
+    near, far = seen[g, CENTRE + 2] - half[2], seen[g, CENTRE + 2] + half[2]
+    seen[g, OUTLINE + NEAREST] = near if far > 0.0 else inf
+    for i in range(2):
+        low, high = -inf, inf
+        if near > 0.0:
+            low, high = seen[g, CENTRE + i] - half[i], seen[g, CENTRE + i] + half[i]
+            low, high = low / (far if low > 0.0 else near), high / (near if high > 0.0 else far)
+        seen[g, OUTLINE + 2 * i], seen[g, OUTLINE + 2 * i + 1] = low, high
 
-    A geom's sphere lies outside the cone if the angle to its centre exceeds that of the cone and its own together,
-    here by the cosines of both; and beyond the rays if its nearest point is farther than the farthest of their ends.
+
+@njit(cache=True, error_model="numpy")
+def hide(
+    points: Array, owner: int, flesh_m: Array, rows: IntArray, shape: Array, seen: Array, visible: BoolArray
+) -> None:
+    """Clear the marks of those of one person's points that something hides.
+
+    Args:
+        points: (N, 3) in the eye's frame; before it, where marked [m].
+        owner: whose they are.
+        flesh_m: (N,) how deep below its owner's surface a point may lie and still be seen.
+        rows: of `types.Solids`, as the next.
+        shape: sizes, and what bounds them.
+        seen: what `outlines` wrote.
+        visible: (N,) which points are looked for; cleared where one is hidden.
     """
-    x = y = z = reach = 0.0
-    for n in range(len(bundle)):
-        x, y, z = x + bundle[n, 0], y + bundle[n, 1], z + bundle[n, 2]
-        reach = max(reach, lengths[n])
-    length = sqrt(x * x + y * y + z * z)
-    cosine, sine = -1.0, 0.0
-    if length > 0.5 * len(bundle):
-        x, y, z = x / length, y / length, z / length
-        least = 1.0
-        for n in range(len(bundle)):
-            least = min(least, bundle[n, 0] * x + bundle[n, 1] * y + bundle[n, 2] * z)
-        if least > 0.0:
-            cosine = least - 1e-6
-            sine = sqrt(1.0 - cosine * cosine)
+    near, places = np.empty((len(rows), NUMBERS)), np.empty(len(rows), np.int64)
+    found = _before(points, visible, owner, rows, seen, near, places)
+    for n in range(len(points)):
+        if not visible[n]:
+            continue
+        x, y, z = points[n, 0], points[n, 1], points[n, 2]
+        slope_x, slope_y = x / z, y / z
+        flesh = flesh_m[n] / sqrt(x * x + y * y + z * z)
+        for k in range(found):
+            across = (near[k, LOW_X] <= slope_x) & (slope_x <= near[k, HIGH_X])
+            across &= (near[k, LOW_Y] <= slope_y) & (slope_y <= near[k, HIGH_Y])
+            limit = 1.0 - near[k, OWN] * flesh
+            if across & (near[k, NEAREST] < limit * z):
+                g = places[k]
+                if _distance(rows[g, FORM], shape, seen, g, x, y, z) < limit:
+                    visible[n] = False
+                    break
+
+
+@njit(cache=True, error_model="numpy")
+def _before(
+    points: Array, wanted: BoolArray, owner: int, rows: IntArray, seen: Array, near: Array, places: IntArray
+) -> int:
+    """Write the outlines that reach before the rectangle of a person's points, and their places; returns how many."""
+    low_x = low_y = inf
+    high_x = high_y = deepest = -inf
+    for n in range(len(points)):
+        if wanted[n]:
+            x, y = points[n, 0] / points[n, 2], points[n, 1] / points[n, 2]
+            low_x, high_x, low_y, high_y = min(low_x, x), max(high_x, x), min(low_y, y), max(high_y, y)
+            deepest = max(deepest, points[n, 2])
     found = 0
-    for i in range(len(around)):
-        square, bound, bound_square = around[i, SQUARE], around[i, BOUND], around[i, BOUND_SQUARE]
-        if square > bound_square:
-            if square > (reach + bound) ** 2:
-                continue
-            along = around[i, 0] * x + around[i, 1] * y + around[i, 2] * z
-            if cosine > 0.0 and along < cosine * sqrt(square - bound_square) - sine * bound:
-                continue
-        for k in range(COLUMNS):
-            near[found, k] = around[i, k]
-        places[found] = i
-        found += 1
+    for g in range(len(seen)):
+        across = (seen[g, OUTLINE + LOW_X] <= high_x) & (low_x <= seen[g, OUTLINE + HIGH_X])
+        across &= (seen[g, OUTLINE + LOW_Y] <= high_y) & (low_y <= seen[g, OUTLINE + HIGH_Y])
+        if across & (seen[g, OUTLINE + NEAREST] < deepest):
+            for k in range(OWN):
+                near[found, k] = seen[g, OUTLINE + k]
+            near[found, OWN] = rows[g, OWNER] == owner
+            places[found] = g
+            found += 1
     return found
+
+
+@njit(cache=True, error_model="numpy")
+def _distance(form: int, shape: Array, seen: Array, g: int, x: float, y: float, z: float) -> float:
+    """Distance to a solid along a vector from the eye, in multiples of it."""
+    a, b, c, r = seen[g, CENTRE], seen[g, CENTRE + 1], seen[g, CENTRE + 2], seen[g, AXES : AXES + 9]
+    return float(
+        meet(
+            form, shape[g], -(r[0] * a + r[3] * b + r[6] * c), -(r[1] * a + r[4] * b + r[7] * c),
+            -(r[2] * a + r[5] * b + r[8] * c), r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z,
+            r[2] * x + r[5] * y + r[8] * z,
+        )
+    )  # fmt: skip

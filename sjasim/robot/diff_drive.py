@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from numba import njit
+
 from ..config import RobotConfig
 from ..types import WheelCommand
 
@@ -24,15 +26,25 @@ def wheel_command(speed_m_s: float, yaw_rate_rad_s: float, config: RobotConfig) 
         yaw_rate_rad_s: counter-clockwise positive.
         config: track, wheel radius and limits.
     """
-    top = config.max_speed_m_s
-    spin = config.max_yaw_rate_rad_s
-    speed = min(max(speed_m_s, -top), top)
-    offset = min(max(yaw_rate_rad_s, -spin), spin) * config.track_m / 2
+    left, right = wheel_speeds(
+        speed_m_s, yaw_rate_rad_s, config.max_speed_m_s, config.max_yaw_rate_rad_s, config.track_m,
+        config.wheel_radius_m,
+    )  # fmt: skip
+    return WheelCommand(left, right)
+
+
+@njit(cache=True)
+def wheel_speeds(
+    speed_m_s: float, yaw_rate_rad_s: float, top_m_s: float, spin_rad_s: float, track_m: float, radius_m: float
+) -> tuple[float, float]:
+    """Left and right [rad/s]; see `wheel_command`."""
+    speed = min(max(speed_m_s, -top_m_s), top_m_s)
+    offset = min(max(yaw_rate_rad_s, -spin_rad_s), spin_rad_s) * track_m / 2
     fastest = abs(speed) + abs(offset)
-    scale = 1.0 / config.wheel_radius_m
-    if fastest > top:
-        scale *= top / fastest
-    return WheelCommand((speed - offset) * scale, (speed + offset) * scale)
+    scale = 1.0 / radius_m
+    if fastest > top_m_s:
+        scale *= top_m_s / fastest
+    return (speed - offset) * scale, (speed + offset) * scale
 
 
 def body_rates(wheels: WheelCommand, config: RobotConfig) -> tuple[float, float]:
@@ -42,6 +54,7 @@ def body_rates(wheels: WheelCommand, config: RobotConfig) -> tuple[float, float]
     return (left + right) / 2, (right - left) / config.track_m
 
 
+@njit(cache=True)
 def moved(pose: Pose, left_m: float, right_m: float, track_m: float) -> Pose:
     """Pose after the wheels have rolled, exact for any arc of constant curvature.
 

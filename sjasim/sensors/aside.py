@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from ..config import DetectorConfig
 from ..types import TRACKED, Array, DeviceEvent, IntArray, Kind, SkeletonFrame
-from .claps import ClapDetector
+from .claps import met_s, unseen_hands
 from .glimpse import HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT, LEFT, RIGHT, yaw_rad
+from .thresholds import BASE_HZ, Records, rules
 
 ASIDE_RAD = math.radians(100.0)
 """Largest heading relative to the sensor: beyond it the back hides the hands."""
@@ -26,8 +27,6 @@ FAR_SLACK = 0.4
 
 MEMORY_S = 0.35
 """How long the near hand may be inferred: hands that touch stay so long without a surface of their own (assumed)."""
-
-_YAW, _RATIO, _NEAR = range(3)
 
 
 @njit(cache=True)
@@ -52,15 +51,19 @@ def _ratio(joints: Array, slack: float) -> float:
 
 
 @njit(cache=True)
-def _look(joints: Array, state: NDArray[np.int8], out: Array) -> None:
-    """Write everybody's heading relative to the sensor, ratio, and whether the near hand is tracked: (P, 3)."""
+def _judge(joints: Array, state: NDArray[np.int8], t_s: float, limits: Records, hands: Records, t_met_s: Array) -> bool:
+    """Write when everybody's hands met, (P,), NaN where this frame does not show it; whether any did."""
+    found = False
     for p in range(len(joints)):
         body = joints[p]
         left = body[HAND_LEFT, 2] < body[HAND_RIGHT, 2]
         near, far = (HAND_LEFT, HAND_RIGHT) if left else (HAND_RIGHT, HAND_LEFT)
-        out[p, _YAW] = yaw_rad(body)
-        out[p, _RATIO] = _ratio(body, 0.0 if state[p, far] == TRACKED else FAR_SLACK)
-        out[p, _NEAR] = state[p, near] == TRACKED
+        ratio = _ratio(body, 0.0 if state[p, far] == TRACKED else FAR_SLACK)
+        if not abs(yaw_rad(body)) <= ASIDE_RAD:
+            ratio = math.nan
+        t_met_s[p] = met_s(hands[p], t_s, ratio, state[p, near] == TRACKED, MEMORY_S, limits[0])
+        found = found or not math.isnan(t_met_s[p])
+    return found
 
 
 class AsideDetectors:
@@ -71,15 +74,15 @@ class AsideDetectors:
     """
 
     def __init__(self, config: DetectorConfig) -> None:
-        self._config = config
+        self._rules = rules(config, BASE_HZ)
         self._persons: IntArray | None = None
         self._names: list[int] = []
-        self._claps: list[ClapDetector] = []
+        self._meet(np.zeros(0, dtype=np.int64))
+        self.reset()
 
     def reset(self) -> None:
         """Begin anew: nobody's hands have been seen apart."""
         self._persons = None
-        self._names = []
 
     def update(self, frame: SkeletonFrame) -> list[DeviceEvent]:
         """Judge one frame; frames come in order of their time, some may be missing.
@@ -90,22 +93,22 @@ class AsideDetectors:
         Returns:
             the claps that it shows, stamped with the time it had been processed.
         """
-        joints, t_s = frame.skeletons.joints, frame.t_sensor_s
-        if frame.skeletons.persons is not self._persons:
-            self._meet(frame.skeletons.persons)
-        figures = np.empty((len(joints), 3))
-        _look(joints, frame.skeletons.state, figures)
-        events = []
-        for person, clap, (yaw, ratio, near) in zip(self._names, self._claps, figures.tolist(), strict=True):
-            met_s = clap.update(t_s, ratio if abs(yaw) <= ASIDE_RAD else math.nan, near > 0.0)
-            if met_s is not None:
-                onset_s = frame.t_capture_device_s + met_s - t_s
-                events.append(DeviceEvent(frame.sensor, person, Kind.CLAP, frame.t_device_s, False, onset_s))
-        return events
+        persons, joints, state = frame.skeletons
+        t_s = frame.t_sensor_s
+        if persons is not self._persons:
+            self._meet(persons)
+        if not _judge(joints, state, t_s, self._rules, self._hands, self._t_met_s):
+            return []
+        return [
+            DeviceEvent(frame.sensor, person, Kind.CLAP, frame.t_device_s, False, frame.t_capture_device_s + met - t_s)
+            for person, met in zip(self._names, self._t_met_s.tolist(), strict=True)
+            if not math.isnan(met)
+        ]
 
     def _meet(self, persons: IntArray) -> None:
+        """Begin anew if these are others than before."""
         names = persons.tolist()
-        if names != self._names:
+        if self._persons is None or names != self._names:
             self._names = names
-            self._claps = [ClapDetector(self._config, MEMORY_S) for _ in names]
+            self._hands, self._t_met_s = unseen_hands(len(names)), np.zeros(len(names))
         self._persons = persons

@@ -1,10 +1,23 @@
-"""When hands have met: the one rule behind claps seen from the front and from the side."""
+"""When hands have met: the one rule behind claps seen from the front and from the side, compiled.
+
+A clap is a local minimum of a ratio, which is small where hands meet, below ``clap_ratio``. Hands that touch stay
+together for a while; which of the small numbers of that while is the least is chance. Below `TOUCHING_RATIO` the
+minimum is where the ratio falls by less than `STILL_RATIO` between frames.
+
+The event comes with the frame after the minimum. Hands must have been apart (above `APART_RATIO`) since the last clap,
+which must be ``clap_rest_s`` ago: hands held together clap once. Touching hands hide each other, so they may be
+inferred as they meet, if they were last tracked nearer than `NEAR_RATIO`. A time longer than a memory's without tracked
+hands forgets everything, so that hands that jump into sight cannot clap.
+"""
 
 from __future__ import annotations
 
-import math
+from math import inf, isnan, nan
 
-from ..config import DetectorConfig
+import numpy as np
+from numba import njit
+
+from .thresholds import Record, Records
 
 APART_RATIO = 0.8
 """Above this ratio hands are apart; arms that hang or open for a clap have 1.1 to 1.4."""
@@ -17,71 +30,62 @@ TOUCHING_RATIO, STILL_RATIO = 0.3, 0.03
 """Hands nearer than the first may touch; from frame to frame their ratio is uncertain by less than the second: some
 half a centimetre per hand (assumed)."""
 
+HANDS = np.dtype([
+    ("ratio", np.float64),  # of the last frame; NaN where it said nothing
+    ("ratio_before", np.float64),  # of the frame before that
+    ("t_ratio_s", np.float64),  # when the last frame was
+    ("t_clap_s", np.float64),  # when the last clap was seen
+    ("t_near_s", np.float64),  # when tracked hands were last near
+    ("t_seen_s", np.float64),  # when they were last tracked
+    ("apart", np.bool_),  # whether they have been apart since the last clap
+    ("near", np.bool_),  # whether they were near when they were last tracked
+])  # fmt: skip
+"""What is remembered of one person's hands; times are the sensor's."""
 
-class ClapDetector:
-    """Claps of one person: local minima of a ratio, which is small where hands meet, below ``clap_ratio``.
 
-    Hands that touch stay together for a while; which of the small numbers of that while is the least is chance. Below
-    `TOUCHING_RATIO` the minimum is where the ratio falls by less than `STILL_RATIO` between frames.
+def unseen_hands(count: int) -> Records:
+    """(count,) `HANDS` that nobody has seen yet."""
+    never = (nan, nan, nan, -inf, -inf, -inf, False, False)
+    return np.array([never] * count, dtype=HANDS)
 
-    The event comes with the frame after the minimum. Hands must have been apart (above `APART_RATIO`) since the last
-    clap, which must be ``clap_rest_s`` ago: hands held together clap once. Touching hands hide each other, so they
-    may be inferred as they meet, if they were last tracked nearer than `NEAR_RATIO`. A time longer than ``memory_s``
-    without tracked hands forgets everything, so that hands that jump into sight cannot clap.
+
+@njit(cache=True)
+def met_s(hands: Record, t_s: float, ratio: float, tracked: bool, memory_s: float, rules: Record) -> float:
+    """Judge one frame.
 
     Args:
-        config: ratio and rest.
-        memory_s: how long hands may be inferred.
+        hands: what is remembered of them, one of `HANDS`; changed.
+        t_s: the sensor's time of the frame.
+        ratio: of the hands; NaN where it says nothing.
+        tracked: whether the hands that it rests on are tracked.
+        memory_s: how long they may be inferred.
+        rules: one of `thresholds.RULES`.
+
+    Returns:
+        the time at which the hands met, or NaN.
     """
+    if tracked and not isnan(ratio):
+        hands.t_seen_s = t_s
+        hands.near = ratio < NEAR_RATIO
+        if hands.near:
+            hands.t_near_s = t_s
+    elif t_s - hands.t_seen_s > memory_s:
+        hands.ratio = hands.ratio_before = hands.t_ratio_s = nan
+        hands.apart = hands.near = False
+        return nan
+    before, least, t_least_s = hands.ratio_before, hands.ratio, hands.t_ratio_s
+    hands.ratio_before, hands.ratio, hands.t_ratio_s = least, ratio, t_s
+    lowest = before >= least and least < ratio + (STILL_RATIO if least < TOUCHING_RATIO else 0.0)
+    rested = t_s - hands.t_clap_s >= rules.clap_rest_s
+    if hands.apart and hands.near and lowest and least < rules.clap_ratio and rested:
+        hands.t_clap_s = t_s
+        hands.apart = False
+        return float(t_least_s)
+    hands.apart = hands.apart or (tracked and ratio > max(APART_RATIO, rules.clap_ratio))
+    return nan
 
-    __slots__ = ("_apart", "_before", "_c", "_last", "_memory_s", "_near", "_t_clap_s", "_t_last_s",
-                 "_t_near_s", "_t_seen_s")  # fmt: skip
 
-    def __init__(self, config: DetectorConfig, memory_s: float) -> None:
-        self._c = config
-        self._memory_s = memory_s
-        self._t_clap_s = self._t_near_s = self._t_seen_s = -math.inf
-        self._forget()
-
-    def _forget(self) -> None:
-        self._last = self._before = self._t_last_s = math.nan
-        self._apart = self._near = False
-
-    def update(self, t_s: float, ratio: float, tracked: bool) -> float | None:
-        """Judge one frame.
-
-        Args:
-            t_s: the sensor's time of the frame.
-            ratio: of the hands; NaN where it says nothing.
-            tracked: whether the hands that it rests on are tracked.
-
-        Returns:
-            the time at which the hands met, or None.
-        """
-        if tracked and not math.isnan(ratio):
-            self._t_seen_s = t_s
-            self._near = ratio < NEAR_RATIO
-            if self._near:
-                self._t_near_s = t_s
-        elif t_s - self._t_seen_s > self._memory_s:
-            self._forget()
-            return None
-        least, t_least_s = self._last, self._t_last_s
-        found = (
-            self._apart
-            and self._near
-            and self._before >= least < ratio + (STILL_RATIO if least < TOUCHING_RATIO else 0.0)
-            and least < self._c.clap_ratio
-            and t_s - self._t_clap_s >= self._c.clap_rest_s
-        )
-        self._before, self._last, self._t_last_s = least, ratio, t_s
-        if found:
-            self._t_clap_s = t_s
-            self._apart = False
-            return t_least_s
-        self._apart = self._apart or (tracked and ratio > max(APART_RATIO, self._c.clap_ratio))
-        return None
-
-    def busy(self, t_s: float) -> bool:
-        """Whether a clap may be under way or just over."""
-        return t_s - self._t_near_s < self._c.clap_rest_s
+@njit(cache=True)
+def clapping(hands: Record, t_s: float, rules: Record) -> bool:
+    """Whether a clap may be under way or just over."""
+    return bool(t_s - hands.t_near_s < rules.clap_rest_s)

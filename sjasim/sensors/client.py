@@ -56,7 +56,7 @@ class Sensing(Protocol):
 
 class _Capture(NamedTuple):
     t_s: float
-    skeletons: Skeletons
+    skeletons: Skeletons | None
     watched: bool
     assisted: bool
     report: bool
@@ -67,11 +67,11 @@ class Client:
 
     A frame captured at t is ready ``latency_frames`` / ``rate_hz`` later; what it shows is stamped with the device
     clock of that moment, never back-dated. Told to watch, the client takes every frame and sends events; told to
-    assist, it takes every frame and sends only claps that it sees from the side; idle, it
-    takes only every frame that a status report is due for. A status that is due with a lost frame goes out with the
-    next one taken. Going from idle to watching, its detectors begin anew: everyone must first be seen standing and
-    facing the sensor, so that a hand-over amid a turn gives no event of its own. Events of frames taken before the
-    order, or ready after an order to idle, are not sent.
+    assist, it takes every frame and sends only claps that it sees from the side; idle, it takes ``idle_hz`` frames a
+    second, at moments when a status report is due, and its other reports are mere signs of life. A status that is due
+    with a lost frame goes out with the next one taken. Going from idle to watching, its detectors begin anew: everyone
+    must first be seen standing and facing the sensor, so that a hand-over amid a turn gives no event of its own. Events
+    of frames taken before the order, or ready after an order to idle, are not sent.
 
     Args:
         mount: where the sensor is; with it, statuses are in world coordinates.
@@ -112,7 +112,7 @@ class Client:
         self.next_output_s = math.inf
         self._latest: SkeletonFrame | None = None
         self._ticks = 0
-        self._report_due = False
+        self._report_due = self._look_due = False
         self._t_first_s = math.nan
         towards = -mount.world_from_sensor[:, 2]
         self._bearing_rad = math.atan2(towards[1], towards[0])
@@ -139,21 +139,30 @@ class Client:
         """
         if t_s >= self._dead_from_s:
             return None
-        report = self._ticks * self._config.status_hz % self._config.rate_hz < self._config.status_hz
-        self._ticks += 1
+        report = self._round(self._config.status_hz)
         self._report_due |= report
-        if not (self.watching or self.assisting or report):
+        self._look_due |= self._round(self._config.idle_hz)
+        self._ticks += 1
+        if self.watching or self.assisting or (report and self._look_due):
+            skeletons = self._sensing.sample(view)
+            if skeletons is None:
+                return None
+            self._look_due = False
+            if math.isnan(self._t_first_s):
+                self._t_first_s = t_s
+        elif report:
+            skeletons = None
+        else:
             return None
-        skeletons = self._sensing.sample(view)
-        if skeletons is None:
-            return None
-        if math.isnan(self._t_first_s):
-            self._t_first_s = t_s
         if not self._pending:
             self.next_output_s = t_s + self._latency_s
         self._pending.append(_Capture(t_s, skeletons, self.watching, self.assisting, self._report_due))
         self._report_due = False
         return skeletons
+
+    def _round(self, rate_hz: int) -> bool:
+        """Whether a turn of something that happens so often comes with this frame tick."""
+        return self._ticks * rate_hz % self._config.rate_hz < rate_hz
 
     def outputs(self, t_s: float) -> list[DeviceEvent | ClientStatus]:
         """Everything from frames whose processing is over by session time ``t_s``, oldest first."""
@@ -191,6 +200,8 @@ class Client:
 
     def _process(self, capture: _Capture, ready_s: float) -> list[DeviceEvent | ClientStatus]:
         t_device_s = self._clock.reading(ready_s)
+        if capture.skeletons is None:
+            return [ClientStatus(self.name, t_device_s, None)]
         messages: list[DeviceEvent | ClientStatus] = []
         t_capture_device_s = self._clock.reading(capture.t_s)
         frame = self._latest = SkeletonFrame(

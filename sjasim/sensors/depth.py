@@ -14,7 +14,7 @@ from ..registry import register
 from ..types import Array, Geoms, IntArray, Skeletons, StageView
 from . import noise
 from .camera import Camera, Intrinsics, Picture
-from .joints import FLESH_M
+from .sight import FLESH_M
 from .skeleton import SkeletonEstimator
 
 BoolArray = NDArray[np.bool_]

@@ -1,47 +1,20 @@
-"""What the detectors look at: a few numbers per person from each frame.
+"""What the detectors look at: a few numbers per person from each frame, compiled.
 
-One compiled call takes everybody's figures out of a frame.
+A lost frame only widens the intervals: every difference is divided by the time that really passed between its two
+frames. Joints that are not tracked are NaN and make every figure they enter NaN.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from math import atan2, hypot, isnan, nan, tau
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX
-from ..config import DetectorConfig
-from ..types import TRACKED, Array, SkeletonFrame
-
-
-class Glimpse(NamedTuple):
-    """One person in one frame.
-
-    Attributes:
-        speed_m_s: SpineBase's speed towards the sensor over the last ``difference_frames`` frames; NaN before that.
-        towards: how many of SpineMid, Neck and both shoulders moved towards the sensor by more than the floor.
-        away: the same away from the sensor.
-        tracked: how many of the four are tracked; the others are not counted above.
-        hand_ratio: hand distance over shoulder distance in the sensor's x-y plane; NaN unless all four are known.
-            The shoulders are its scale only, and may be inferred: raised forearms hide them.
-        yaw_rad: heading relative to facing the sensor, counter-clockwise from above; NaN if a hip is missing.
-        yaw_rate_rad_s: its rate over the same frames as the speed.
-        hands: how many of the two are tracked.
-    """
-
-    speed_m_s: float
-    towards: int
-    away: int
-    tracked: int
-    hand_ratio: float
-    yaw_rad: float
-    yaw_rate_rad_s: float
-    hands: int
-
+from ..types import TRACKED, Array
+from .thresholds import Record
 
 BASE, MID, NECK, LEFT, RIGHT, HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT = (
     JOINT_INDEX[name]
@@ -50,12 +23,22 @@ BASE, MID, NECK, LEFT, RIGHT, HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT = (
         "HipRight",
     )
 )  # fmt: skip
-_UPPER = np.array([MID, NECK, LEFT, RIGHT])
-_FIGURES = len(Glimpse._fields)
-_BASE_Z = _FIGURES
-_UPPER_Z = _FIGURES + 1
-_COLUMNS = _FIGURES + 1 + len(_UPPER)
-"""A person's row: the glimpse, then the depths that the next frames are compared with [m]."""
+UPPER = np.array([MID, NECK, LEFT, RIGHT])
+
+GLIMPSE = np.dtype([
+    ("speed_m_s", np.float64),  # SpineBase's towards the sensor over ``difference_frames``; NaN before that
+    ("towards", np.int64),  # how many of the upper four moved towards the sensor by more than the floor
+    ("away", np.int64),  # the same away from it
+    ("tracked", np.int64),  # how many of the four are tracked; the others are not counted above
+    ("hand_ratio", np.float64),  # hand distance over shoulder distance in the sensor's x-y plane; NaN unless all four
+    # are known. The shoulders are its scale only, and may be inferred: raised forearms hide them
+    ("yaw_rad", np.float64),  # heading relative to facing the sensor, counter-clockwise from above; NaN without a hip
+    ("yaw_rate_rad_s", np.float64),  # its rate over the same frames as the speed
+    ("hands", np.int64),  # how many of the two are tracked
+    ("base_m", np.float64),  # SpineBase's depth, which the next frames are compared with
+    ("upper_m", np.float64, len(UPPER)),  # the same of SpineMid, Neck and both shoulders
+])  # fmt: skip
+"""One person in one frame."""
 
 
 @njit(cache=True)
@@ -78,40 +61,36 @@ def _hand_ratio(joints: Array) -> float:
 
 
 @njit(cache=True)
-def _look(
-    joints: Array, state: NDArray[np.int8], before: Array, oldest: Array, floor_m: float, span_s: float, out: Array
+def look(
+    joints: Array, state: NDArray[np.int8], before: Record, oldest: Record, floor_m: float, span_s: float, seen: Record
 ) -> None:
-    """Write everybody's figures and depths, (P, `_COLUMNS`).
+    """Write one person's glimpse.
 
     Args:
-        joints: (P, 25, 3) in the sensor's frame [m].
-        state: (P, 25) tracking states.
-        before: the same figures of the last frame.
-        oldest: of the frame that speeds are taken from.
-        floor_m: least motion between two frames that counts.
-        span_s: time since the oldest; 0 without one, which leaves speeds unknown.
-        out: output.
+        joints: (25, 3) in the sensor's frame [m].
+        state: (25,) tracking states.
+        before: the glimpse that single steps are taken from; ``seen`` itself at the first frame.
+        oldest: the one that speeds are taken from.
+        floor_m: least motion since ``before`` that counts.
+        span_s: time since ``oldest``; 0 without one, which leaves speeds unknown.
+        seen: one of `GLIMPSE`, output.
     """
-    for p in range(len(joints)):
-        row, body, known = out[p], joints[p], state[p]
-        row[_BASE_Z] = body[BASE, 2]
-        towards = away = tracked = 0
-        for k in range(len(_UPPER)):
-            z = row[_UPPER_Z + k] = body[_UPPER[k], 2]
-            if known[_UPPER[k]] == TRACKED:
-                way = before[p, _UPPER_Z + k] - z
-                tracked += 1
-                towards += way > floor_m
-                away += way < -floor_m
-        row[1], row[2], row[3] = towards, away, tracked
-        row[4] = _hand_ratio(body)
-        row[7] = (known[HAND_LEFT] == TRACKED) + (known[HAND_RIGHT] == TRACKED)
-        yaw = row[5] = yaw_rad(body)
-        row[0] = row[6] = nan
-        if span_s > 0.0:
-            row[0] = (oldest[p, _BASE_Z] - row[_BASE_Z]) / span_s
-            turned = yaw - oldest[p, 5]
-            row[6] = (turned - tau * np.rint(turned / tau)) / span_s
+    towards = away = tracked = 0
+    for k in range(len(UPPER)):
+        z = seen.upper_m[k] = joints[UPPER[k], 2]
+        if state[UPPER[k]] == TRACKED:
+            way = before.upper_m[k] - z
+            tracked += 1
+            towards += way > floor_m
+            away += way < -floor_m
+    seen.towards, seen.away, seen.tracked = towards, away, tracked
+    seen.hands = int(state[HAND_LEFT] == TRACKED) + int(state[HAND_RIGHT] == TRACKED)
+    seen.hand_ratio, seen.yaw_rad, seen.base_m = _hand_ratio(joints), yaw_rad(joints), joints[BASE, 2]
+    seen.speed_m_s = seen.yaw_rate_rad_s = nan
+    if span_s > 0.0:
+        seen.speed_m_s = (oldest.base_m - seen.base_m) / span_s
+        turned = seen.yaw_rad - oldest.yaw_rad
+        seen.yaw_rate_rad_s = (turned - tau * np.rint(turned / tau)) / span_s
 
 
 @njit(cache=True)
@@ -133,57 +112,3 @@ def report(joints: Array, state: NDArray[np.int8], pose: Array, bearing_rad: flo
         out[p, 2] = yaw - tau * np.rint(yaw / tau)
         out[p, 3] = np.sum(state[p] == TRACKED) / state.shape[1]
         out[p, 4] = ((state[p, HAND_LEFT] == TRACKED) + (state[p, HAND_RIGHT] == TRACKED)) / 2.0
-
-
-BASE_HZ = 30
-"""Frame rate that the thresholds' frames are meant for; at another one they stand for the same times."""
-
-
-def frames_at(rate_hz: float, frames: int) -> int:
-    """How many frames of another rate last as long as so many at `BASE_HZ`; at least one."""
-    return max(1, round(frames * rate_hz / BASE_HZ))
-
-
-class Glimpses:
-    """Turns frames into glimpses; remembers as many frames as a speed needs.
-
-    A lost frame only widens the intervals: every difference is divided by the time that really passed between its
-    two frames. Joints that are not tracked are NaN and make every figure they enter NaN.
-
-    Args:
-        config: frames per speed and the early events' floor.
-        rate_hz: nominal frame rate.
-
-    Attributes:
-        span_s: time over which the last frame's speeds were taken [s].
-    """
-
-    def __init__(self, config: DetectorConfig, rate_hz: float) -> None:
-        self._floor_m_s = config.early_step_m * BASE_HZ
-        self._step = frames_at(rate_hz, 1)
-        self._frames = max(self._step, frames_at(rate_hz, config.difference_frames))
-        self._past: deque[tuple[float, Array]] = deque(maxlen=self._frames)
-        self.span_s = 0.0
-
-    def reset(self) -> None:
-        """Forget the frames."""
-        self._past.clear()
-
-    def update(self, frame: SkeletonFrame) -> list[Glimpse]:
-        """Look at a frame.
-
-        Args:
-            frame: the newest frame, with the same persons as the frames before it.
-
-        Returns:
-            one glimpse for each of its P persons.
-        """
-        t_s, past = frame.t_sensor_s, self._past
-        joints = frame.skeletons.joints
-        seen = np.empty((len(joints), _COLUMNS))
-        before_s, before = past[-min(self._step, len(past))] if past else (t_s, seen)
-        oldest_s, oldest = past[0] if len(past) == self._frames else (t_s, seen)
-        self.span_s = t_s - oldest_s
-        _look(joints, frame.skeletons.state, before, oldest, self._floor_m_s * (t_s - before_s), self.span_s, seen)
-        past.append((t_s, seen))
-        return [Glimpse._make(row[:_FIGURES]) for row in seen.tolist()]

@@ -7,20 +7,19 @@ constant bias and a slow drift, and both grow where a joint is hidden.
 from __future__ import annotations
 
 import math
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..assets.names import JOINTS
 from ..choreography.layout import Mount
 from ..config import SensorConfig
 from ..registry import register
 from ..types import Array, BoolArray, IntArray, Skeletons, StageView
-from .sight import BIAS, BLEND, DRIFT, ERRORS, FRESH, HIDDEN, KEPT, observe
+from .sight import BIAS, BLEND, DRIFT, ERRORS, EYE, FACTOR, FRESH, HIDDEN, KEPT, PLACE, RANGE, SLOPES, observe
 
-_LIMBS = ("Elbow", "Wrist", "Hand", "Thumb", "Knee", "Ankle", "Foot")
-FLESH_M = np.where([name.startswith(_LIMBS) for name in JOINTS], 0.13, 0.20)
-"""(25,) A ray that first meets the joint's own dancer so close before the joint counts as reaching it: a trunk is that
-thick, also seen from the side; a limb is not, and farther behind other flesh it is hidden by it (assumed)."""
+T = TypeVar("T", bound=np.generic)
 
 TORSO_BLEND_S = 0.75
 """Time constant with which an error grows or shrinks when a joint is hidden or seen again (assumed).
@@ -33,7 +32,7 @@ HAND_BLEND_S = 0.15
 """The same for elbows, wrists and hands, which no motion event looks at (assumed)."""
 
 _BLOCK_FRAMES = 32
-_NO_NOISE = np.empty((0, 3))
+"""Noise is drawn, and room made, for so many frames at a time: that is cheaper."""
 
 _ARM = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb")) for name in JOINTS])
 
@@ -67,25 +66,18 @@ class JointsSensing:
         self.dancers: IntArray = order.permutation(group).astype(np.int64)
         self._shape = (group, len(JOINTS))
         self.visible: BoolArray = np.zeros(self._shape, dtype=bool)
-        self._mount = mount
         self._config = config
         self._persons: IntArray = np.arange(group, dtype=np.int64)
         self._persons.flags.writeable = False
-        slopes = [math.tan(angle / 2) for angle in (config.horizontal_fov_rad, config.vertical_fov_rad)]
-        place = [*mount.world_from_sensor.T.reshape(-1), *mount.position]
-        self._eye = np.array([*place, *slopes, config.min_range_m, config.max_range_m, 0.0, 0.0])
-        size = group * len(JOINTS)
-        errors = np.zeros((size, ERRORS))
-        errors[:, BIAS : BIAS + 3] = config.bias_m * self._draws.standard_normal((size, 3))
-        errors[:, DRIFT : DRIFT + 3] = config.drift_m * self._draws.standard_normal((size, 3))
-        self._arm = np.tile(_ARM, (group, 1))
-        self._errors = errors.reshape(*self._shape, ERRORS)
-        self._errors[:, :, HIDDEN] = np.where(self._arm, config.hidden_factor_hand, config.hidden_factor)
-        self._owners = np.arange(group).repeat(len(JOINTS))
-        self._flesh = np.tile(FLESH_M, group)
-        self._noises: list[Array] = []
-        self._frames = 0
+        self._eye = _eye(mount, config)
+        self._errors = np.zeros((*self._shape, ERRORS))
+        self._errors[:, :, BIAS:DRIFT] = config.bias_m * self._normal()
+        self._errors[:, :, DRIFT:FACTOR] = config.drift_m * self._normal()
+        self._errors[:, :, HIDDEN] = np.where(_ARM, config.hidden_factor_hand, config.hidden_factor)
+        self._errors[:, :, BLEND] = 1.0  # at first they are as that sight leaves them
         self._t_s = -math.inf
+        self._frames = 0
+        self._room = _Room(np.zeros((1, *self._shape, 3)))
 
     def sample(self, view: StageView) -> Skeletons | None:
         """See the stage at this instant.
@@ -98,32 +90,69 @@ class JointsSensing:
         """
         if self._config.frame_loss and self._losses.random() < self._config.frame_loss:
             return None
-        truth = view.joints_m
-        hidden = view.hidden(self._mount.position, truth.reshape(-1, 3), self._owners, self._flesh)
         t_s = view.time_s
-        noise = _NO_NOISE if math.isinf(self._t_s) else self._noise()
-        frames = 1 if math.isinf(self._t_s) else max(1, round((t_s - self._t_s) * self._config.rate_hz))
+        if self._t_s > -math.inf:
+            self._go_on(max(1, round((t_s - self._t_s) * self._config.rate_hz)))
         self._t_s = t_s
-        if frames != self._frames:
-            self._pace(frames)
-        self.visible = np.empty(self._shape, dtype=bool)
-        joints = np.empty((*self._shape, 3))
-        state = np.empty(self._shape, dtype=np.int8)
-        observe(truth, self.dancers, hidden, self._eye, noise, self._errors, self.visible, joints, state)
-        joints.flags.writeable = state.flags.writeable = False
-        return Skeletons(self._persons, joints, state)
+        room = self._room
+        room.left = frame = room.left - 1
+        observe(view.joints_m, self.dancers, *view.solids, self._eye, self._errors, *room.arrays, frame)
+        visible, joints, state = room.told
+        self.visible = visible[frame]
+        return Skeletons(self._persons, joints[frame], state[frame])
 
-    def _noise(self) -> Array:
-        """Unit white noise for one frame, (N, 3); drawn for many frames at a time, which is cheaper."""
-        if not self._noises:
-            size = len(self._owners)
-            self._noises = list(self._draws.standard_normal((_BLOCK_FRAMES, size, 3)))
-        return self._noises.pop()
-
-    def _pace(self, frames: int) -> None:
-        """How errors move in so many frames: share of the drift kept, what comes anew, share of the factor's way."""
+    def _go_on(self, frames: int) -> None:
+        """Set the errors' pace: share of the drift kept, what comes anew, share of the factor's way."""
+        if not self._room.left:
+            self._room = _Room(self._normal(_BLOCK_FRAMES))
+        if frames == self._frames:
+            return
         self._frames = frames
         kept = self._config.drift_correlation**frames
         self._eye[KEPT], self._eye[FRESH] = kept, self._config.drift_m * math.sqrt(1.0 - kept**2)
-        blend_s = np.where(self._arm, HAND_BLEND_S, TORSO_BLEND_S)
+        blend_s = np.where(_ARM, HAND_BLEND_S, TORSO_BLEND_S)
         self._errors[:, :, BLEND] = 1.0 - np.exp(-frames / self._config.rate_hz / blend_s)
+
+    def _normal(self, *frames: int) -> Array:
+        """(*frames, P, 25, 3) unit white noise."""
+        return self._draws.standard_normal((*frames, *self._shape, 3))
+
+
+class _Room:
+    """Where frames are written to, from the last to the first, and the same for whoever is told of them.
+
+    Args:
+        noise: (F, P, 25, 3) unit white noise of as many frames.
+
+    Attributes:
+        left: how many frames are not written yet.
+        arrays: noise; what is visible, joints and states.
+        told: the last three, not to be written.
+    """
+
+    __slots__ = ("arrays", "left", "told")
+
+    def __init__(self, noise: Array) -> None:
+        self.left = len(noise)
+        shape = noise.shape[:-1]
+        visible, joints, state = np.empty(shape, bool), np.empty(noise.shape), np.empty(shape, np.int8)
+        self.arrays = noise, visible, joints, state
+        self.told = _frozen(visible), _frozen(joints), _frozen(state)
+
+
+def _eye(mount: Mount, config: SensorConfig) -> Array:
+    """The numbers of an eye whose errors have no pace yet; see `sight.EYE`."""
+    out = np.zeros(EYE)
+    out[:PLACE] = mount.world_from_sensor.T.reshape(-1)
+    out[PLACE:SLOPES] = mount.position
+    out[SLOPES:RANGE] = math.tan(config.horizontal_fov_rad / 2), math.tan(config.vertical_fov_rad / 2)
+    out[RANGE:KEPT] = config.min_range_m, config.max_range_m
+    out[KEPT] = 1.0
+    return out
+
+
+def _frozen(values: NDArray[T]) -> NDArray[T]:
+    """The same values, not to be written."""
+    out = values.view()
+    out.flags.writeable = False
+    return out

@@ -1,4 +1,4 @@
-"""What one sensor makes of true joints, compiled: where they are in its view, and the error and state of each."""
+"""What one sensor makes of true joints, compiled: which it can see, and the error and state of each."""
 
 from __future__ import annotations
 
@@ -6,84 +6,98 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..assets.names import JOINT_INDEX
+from ..assets.names import JOINT_INDEX, JOINTS
+from ..rays.hiding import COLUMNS, hide, outlines
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array, BoolArray, IntArray
 
 BIAS, DRIFT, FACTOR, HIDDEN, BLEND, ERRORS = 0, 3, 6, 7, 8, 9
 """Columns of a joint's errors: constant error [m], slow error [m], how much larger both are now, the factor that they
 tend to while the joint is hidden (1 while it is visible), and the share of the way there at this frame."""
 
-KEPT, FRESH = 16, 17
-"""Where the pace of the errors stands in the eye's numbers."""
+PLACE, SLOPES, RANGE, KEPT, FRESH, EYE = 9, 12, 14, 16, 17, 18
+"""Columns of an eye after its rotation: place [m], slopes of the field of view, nearest and farthest depth [m]; share
+of the slow error that is kept since the last frame, and standard deviation of what comes anew [m]."""
 
 SETTLED_FACTOR = 1.5
 """A joint that is seen again is tracked once its error is at most this much larger than a visible joint's (assumed)."""
+
+_LIMBS = ("Elbow", "Wrist", "Hand", "Thumb", "Knee", "Ankle", "Foot")
+FLESH_M = np.where([name.startswith(_LIMBS) for name in JOINTS], 0.13, 0.20)
+"""(25,) A ray that first meets the joint's own dancer so close before the joint counts as reaching it: a trunk is that
+thick, also seen from the side; a limb is not, and farther behind other flesh it is hidden by it (assumed)."""
 
 _TORSO_NAMES = ("SpineBase", "SpineMid", "SpineShoulder", "ShoulderLeft", "ShoulderRight", "HipLeft", "HipRight")
 TORSO = np.array([JOINT_INDEX[name] for name in _TORSO_NAMES])
 """While any of these is visible, the person's hidden joints are inferred."""
 
 
-@njit(cache=True)
-def _locate(point: Array, eye: Array, local: Array) -> bool:
-    """Write where a world point is for a sensor; returns whether it is in the field of view and range."""
-    x, y, z = point[0] - eye[9], point[1] - eye[10], point[2] - eye[11]
-    for k in range(3):
-        local[k] = eye[3 * k] * x + eye[3 * k + 1] * y + eye[3 * k + 2] * z
-    depth = local[2]
-    wide, high = abs(local[0]) <= eye[12] * depth, abs(local[1]) <= eye[13] * depth
-    return bool(wide and high and depth >= eye[14] and depth <= eye[15])
-
-
-@njit(cache=True)
-def _age(errors: Array, visible: bool, kept: float, fresh: float, noise: Array) -> None:
-    """Move a joint's errors on, in place."""
-    errors[FACTOR] += errors[BLEND] * ((1.0 if visible else errors[HIDDEN]) - errors[FACTOR])
-    for k in range(3):
-        errors[DRIFT + k] = kept * errors[DRIFT + k] + fresh * noise[k]
-
-
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def observe(
-    truth: Array, dancers: IntArray, hidden: BoolArray, eye: Array, noise: Array, errors: Array, visible: BoolArray,
-    joints: Array, state: NDArray[np.int8],
+    truth: Array, dancers: IntArray, rows: IntArray, shape: Array, position: Array, rotation: Array, eye: Array,
+    errors: Array, noise: Array, visible: BoolArray, joints: Array, state: NDArray[np.int8], frame: int,
 ) -> None:  # fmt: skip
     """Write every person's joints with their errors, and their states; NaN where a joint is not tracked.
 
     Args:
         truth: (D, J, 3) world points [m].
         dancers: (P,) who is behind each person.
-        hidden: (D J,) which points something stands before.
-        eye: rotation into the sensor's frame (9, row-major), its position [m], the slopes of the field of view,
-            nearest and farthest depth [m]; share of the drift that is kept since the last frame, and standard
-            deviation of what comes anew [m].
-        noise: (P J, 3) unit white noise; empty at the first frame, at which errors are as the present sight leaves
-            them.
+        rows: what can hide a joint: of `types.Solids`, as the next three.
+        shape: sizes and what bounds them.
+        position: centres [m].
+        rotation: world from solid.
+        eye: (`EYE`,) rotation into the sensor's frame, row-major, and the rest.
         errors: (P, J, `ERRORS`) moved on.
-        visible: (P, J) output, in view and not hidden.
-        joints: (P, J, 3) output, in the sensor's frame [m].
-        state: (P, J) output.
+        noise: (F, P, J, 3) unit white noise.
+        visible: (F, P, J) output, in view and not hidden.
+        joints: (F, P, J, 3) output, in the sensor's frame [m].
+        state: (F, P, J) output.
+        frame: which of the F frames to write.
     """
-    each = joints.shape[1]
-    in_view = np.empty(each, np.bool_)
+    seen = np.empty((len(rows), COLUMNS))
+    outlines(eye, rows, shape, position, rotation, seen)
     for p in range(len(dancers)):
-        for j in range(each):
-            error = errors[p, j]
-            in_view[j] = _locate(truth[dancers[p], j], eye, joints[p, j])
-            visible[p, j] = in_view[j] and not hidden[dancers[p] * each + j]
-            if len(noise):
-                _age(error, visible[p, j], eye[KEPT], eye[FRESH], noise[p * each + j])
-            else:
-                error[FACTOR] = 1.0 if visible[p, j] else error[HIDDEN]
-        known = False
-        for j in TORSO:
-            known = known or visible[p, j]
-        for j in range(each):
-            error = errors[p, j]
-            if not (known and in_view[j]):
-                state[p, j] = NOT_TRACKED
-                joints[p, j, :] = np.nan
-                continue
-            state[p, j] = TRACKED if visible[p, j] and error[FACTOR] <= SETTLED_FACTOR else INFERRED
-            for k in range(3):
-                joints[p, j, k] += error[FACTOR] * (error[BIAS + k] + error[DRIFT + k])
+        dancer, body, mark = dancers[p], joints[frame, p], visible[frame, p]
+        in_view = _locate(truth[dancer], eye, body, mark)
+        hide(body, dancer, FLESH_M, rows, shape, seen, mark)
+        _age(errors[p], mark, eye[KEPT], eye[FRESH], noise[frame, p])
+        _tell(errors[p], in_view, mark, body, state[frame, p])
+
+
+@njit(cache=True, error_model="numpy")
+def _locate(points: Array, eye: Array, local: Array, mark: BoolArray) -> BoolArray:
+    """Write where world points are for a sensor, and mark which are in its field of view and range; a copy of marks."""
+    for j in range(len(points)):
+        x, y, z = points[j, 0] - eye[PLACE], points[j, 1] - eye[PLACE + 1], points[j, 2] - eye[PLACE + 2]
+        for k in range(3):
+            local[j, k] = eye[3 * k] * x + eye[3 * k + 1] * y + eye[3 * k + 2] * z
+        depth = local[j, 2]
+        wide, high = abs(local[j, 0]) <= eye[SLOPES] * depth, abs(local[j, 1]) <= eye[SLOPES + 1] * depth
+        mark[j] = wide and high and depth >= eye[RANGE] and depth <= eye[RANGE + 1]
+    return mark.copy()
+
+
+@njit(cache=True, error_model="numpy")
+def _age(errors: Array, visible: BoolArray, kept: float, fresh: float, noise: Array) -> None:
+    """Move one person's errors on, in place."""
+    for j in range(len(errors)):
+        aim = 1.0 if visible[j] else errors[j, HIDDEN]
+        errors[j, FACTOR] += errors[j, BLEND] * (aim - errors[j, FACTOR])
+        for k in range(3):
+            errors[j, DRIFT + k] = kept * errors[j, DRIFT + k] + fresh * noise[j, k]
+
+
+@njit(cache=True, error_model="numpy")
+def _tell(errors: Array, in_view: BoolArray, visible: BoolArray, joints: Array, state: NDArray[np.int8]) -> None:
+    """Write one person's states, and add the errors to the joints that are known."""
+    known = False
+    for j in TORSO:
+        known = known or visible[j]
+    for j in range(len(joints)):
+        if not (known and in_view[j]):
+            state[j] = NOT_TRACKED
+            joints[j, :] = np.nan
+            continue
+        factor = errors[j, FACTOR]
+        state[j] = TRACKED if visible[j] and factor <= SETTLED_FACTOR else INFERRED
+        for k in range(3):
+            joints[j, k] += factor * (errors[j, BIAS + k] + errors[j, DRIFT + k])

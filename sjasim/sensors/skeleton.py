@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..assets.names import JOINTS
 from ..errors import SjasimError
 from ..types import NOT_TRACKED, Array, Skeletons
-from . import posture, segmentation, tracking
+from . import anchoring, posture, segmentation, tracking
 from .camera import Intrinsics
 from .model import Model, default, unpacked
 from .segmentation import Foreground
@@ -163,7 +163,8 @@ class SkeletonEstimator:
                 person.grow(float(crown), float(width), interval_s)
         scales = np.array([person.scale or 1.0 for person in persons])
         rows = person_rows(body, scales, np.zeros(len(persons)))
-        surface = body[:, 0] * self._per_pixel * places[:, 1] ** 2
+        pixel_m2 = self._per_pixel * places[:, 1] ** 2
+        surface = body[:, 0] * pixel_m2
         turned = yaw_votes(self._scene, self._model, shares(body[:, 0], TURNING), fx, rows)
         sure = np.minimum(surface / SURE_M2, 1.0) ** 2
         for person, votes, row, share in zip(persons, turned, rows, sure, strict=True):
@@ -175,6 +176,7 @@ class SkeletonEstimator:
         taken = shares(body[:, 0], VOTING)
         joints, support = self._votes.joints(self._scene, taken, fx, rows, prior)
         _join_hands(joints, support)
+        cells = anchoring.gathered(self._scene, prior, scales)
         for k, person in enumerate(persons):
             if surface[k] < LEAST_M2 or self._half_out(*body[k, 1:3]):
                 person.lose(interval_s)
@@ -182,6 +184,8 @@ class SkeletonEstimator:
             seen = (support[k] > self._model.support) & np.isfinite(joints[k, :, 0])
             person.hold(joints[k], seen, interval_s)
             person.see(joints[k], seen, self._model, interval_s)
+            voted = np.where(seen[:, None], joints[k], np.nan)
+            person.anchor(cells[k], prior[k], voted, anchoring.LEAST_M2 / pixel_m2[k], interval_s)
 
     def _half_out(self, x_m: float, z_m: float) -> bool:
         """Whether the picture cuts off half of somebody whose visible surface has its middle there."""

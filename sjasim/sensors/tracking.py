@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array
-from . import posture
+from . import anchoring, posture
 from .model import Unpacked
 
 CONFIRM_FRAMES = 3
@@ -51,6 +51,11 @@ COMMON_S = 0.08
 OWN_MOTION_S, SPIN_S, SPIN_RAD_S = 0.40, 0.15, 0.4
 """Time constant with which a joint of the trunk leaves the motion that all of the trunk has in common, which shakes
 less than each: shorter the faster the person turns, by a rate smoothed with the second (assumed)."""
+ANCHOR_S = 0.03
+"""Time constant with which a joint leaves its predicted motion for its patch's (assumed)."""
+LEARN_S, LEARN_SPIN_RAD_S = 1.5, 0.4
+"""Time constant with which votes correct a patch: shorter the faster the person turns, who shows another side of them
+(assumed)."""
 TOUCH_M, CLASP_S = 0.16, 0.4
 """Hands that were seen closer than this hide each other, and are known for so long all the same (assumed)."""
 HOLD_S, HOLD_M = 0.08, 0.15
@@ -177,6 +182,7 @@ class Person:
         state: (25,) how they are known.
         carry: (25, 3) what is left of the way of joints that came back into sight.
         unseen_s: (25,) for how long joints have lacked support.
+        patches: what is remembered of the trunk's surface, see `anchoring.nothing_known`.
     """
 
     name: int
@@ -194,6 +200,7 @@ class Person:
     state: NDArray[np.int8] = field(default_factory=lambda: np.zeros(len(JOINTS), np.int8))
     carry: Array = field(default_factory=lambda: np.zeros((len(JOINTS), 3)))
     unseen_s: Array = field(default_factory=lambda: np.zeros(len(JOINTS)))
+    patches: Array = field(default_factory=anchoring.nothing_known)
 
     @property
     def confirmed(self) -> bool:
@@ -281,6 +288,20 @@ class Person:
         shares = np.array([blend(interval_s, RELAX_S), blend(interval_s, COMMON_S), own])
         _follow(joints, seen, likely, shares, np.exp(-interval_s / _SETTLE_S), self.joints, self.state, self.carry)
         self._go(interval_s)
+
+    def anchor(self, cells: Array, predicted: Array, voted: Array, least: float, interval_s: float) -> None:
+        """Correct the frame's joints by the trunk's surface.
+
+        Args:
+            cells: (A, C, 2) from `anchoring.gathered`.
+            predicted: (25, 3) joints that they were gathered for.
+            voted: (25, 3) where votes agree; NaN where they do not count.
+            least: points of a patch that must agree.
+            interval_s: since the last frame.
+        """
+        learn_s = LEARN_S / (1.0 + (self.spin / LEARN_SPIN_RAD_S) ** 2)
+        shares = np.array([blend(interval_s, ANCHOR_S), blend(interval_s, learn_s)])
+        anchoring.anchor(cells, self.patches, predicted, voted, least, shares, interval_s, self.joints)
 
     def _face(self, yaw_rad: float, interval_s: float) -> None:
         """Believe the skeleton's own heading, unless it contradicts the tracked one."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -11,7 +12,7 @@ from ..assets.names import CARDINALS
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
 from ..logs import Notice
-from ..types import ClientStatus
+from ..types import PersonStatus
 
 OVERLAP_BEAT = 34.0
 """Beat of an iteration from which the next client watches too: while people turn to it."""
@@ -29,8 +30,8 @@ HYSTERESIS = 0.1
 FROM_BEHIND = 0.5
 """Worth of seeing somebody's back: better than a side, from which no move is seen, worse than a face."""
 
-STALE_S = 1.0
-"""Age at which a report says nothing any more."""
+STALE_S = 1.25
+"""Age at which a report says nothing any more: an idle client has then lost two frames running."""
 
 
 @dataclass(slots=True)
@@ -105,18 +106,18 @@ class ActiveClient:
         client.alive = True
         return [Notice(t_s, sensor, "client is back")]
 
-    def report(self, t_s: float, status: ClientStatus) -> None:
+    def report(self, t_s: float, sensor: str, persons: Sequence[PersonStatus]) -> None:
         """Take in whom a client sees, and how they stand."""
-        client = self._clients[status.sensor]
+        client = self._clients[sensor]
         view = 0.0
         client.facing = {}
-        for person in status.persons:
+        for person in persons:
             turned = person.yaw_rad - client.bearing_rad
             facing = math.cos(turned) if math.isfinite(turned) else 0.0
             client.facing[person.person] = facing
             view += person.tracked * (facing if facing > 0.0 else -FROM_BEHIND * facing)
         client.view = view / self._group
-        client.seen = len(status.persons)
+        client.seen = len(persons)
         client.viewed_s = t_s
 
     def choose(self, t_s: float) -> list[Notice]:

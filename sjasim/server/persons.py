@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -38,6 +38,10 @@ class Persons:
         self._places = [(float(x), float(y)) for x, y in slots_m]
         self._seen_s = [0.0] * len(self._names)
         self._index: dict[str, dict[int, int]] = {}
+
+    def known(self, sensor: str) -> Mapping[int, int]:
+        """A sensor's persons by their places in the cast; `update` brings another mapping and leaves this as it is."""
+        return self._index.get(sensor, {})
 
     def name(self, sensor: str, person: int) -> str | None:
         """Cast name of a sensor's person, by its last report; None for somebody unknown."""

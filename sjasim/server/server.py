@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 
 from ..choreography.layout import Layout
 from ..choreography.score import Timetable
@@ -15,6 +16,7 @@ from ..types import (
     Event,
     Kind,
     MoveDuration,
+    PersonStatus,
     SyncReply,
     SyncRequest,
     dancer_name,
@@ -102,9 +104,9 @@ class Server:
         """
         return self._clocks[sensor].session_time(t_device_s)
 
-    def name(self, sensor: str, person: int) -> str | None:
-        """Cast name of a sensor's person; None for somebody unknown."""
-        return self._persons.name(sensor, person)
+    def known(self, sensor: str) -> Mapping[int, int]:
+        """A sensor's persons by their places in the cast; a report brings another mapping and leaves this as it is."""
+        return self._persons.known(sensor)
 
     def receive(self, t_arrival_s: float, message: ClientMessage) -> list[Event]:
         """Take in a client's message.
@@ -130,12 +132,8 @@ class Server:
             if jump:
                 self.notices.append(Notice(t_arrival_s, message.sensor, f"clock jumped by {jump:+.3f} s"))
             return []
-        t_s = self._plausible(message.sensor, message.t_device_s, t_arrival_s)
-        self._persons.update(message.sensor, t_s, message.persons)
-        self._active.report(t_arrival_s, message)
-        self.notices += self._active.choose(t_arrival_s)
-        if message.sensor == self.active:
-            self._assistance.saw(t_s, self._hands(message))
+        if message.persons is not None:
+            self._look(t_arrival_s, message, message.persons)
         return []
 
     def due(self, t_s: float) -> list[SyncRequest | ClientOrder]:
@@ -163,9 +161,18 @@ class Server:
         self.next_due_s = min(self._order_due_s, self._roll_call.next_due_s, *self._sync_due_s.values())
         return out
 
-    def _hands(self, status: ClientStatus) -> list[str]:
+    def _look(self, t_arrival_s: float, status: ClientStatus, persons: Sequence[PersonStatus]) -> None:
+        """Take in whom a client sees."""
+        t_s = self._plausible(status.sensor, status.t_device_s, t_arrival_s)
+        self._persons.update(status.sensor, t_s, persons)
+        self._active.report(t_arrival_s, status.sensor, persons)
+        self.notices += self._active.choose(t_arrival_s)
+        if status.sensor == self.active:
+            self._assistance.saw(t_s, self._hands(status.sensor, persons))
+
+    def _hands(self, sensor: str, persons: Sequence[PersonStatus]) -> list[str]:
         """Of whom a client sees both hands."""
-        names = (self._persons.name(status.sensor, one.person) for one in status.persons if one.hands == 1.0)
+        names = (self._persons.name(sensor, one.person) for one in persons if one.hands == 1.0)
         return [name for name in names if name is not None]
 
     def _helping(self, t_s: float) -> frozenset[str]:

@@ -21,7 +21,7 @@ from ..humans.anatomy import Build, anatomy
 from ..humans.reference import Reference
 from ..sensors.depth import DepthSensing
 from ..stage import Stage
-from ..types import NOT_TRACKED, Array, BoolArray, Cue, Geoms, IntArray, Move, dancer_name
+from ..types import NOT_TRACKED, Array, Cue, Geoms, IntArray, Move, Solids, dancer_name
 from .scenes import RATE_HZ, dance, planned, random_build
 
 WARM_FRAMES = 30
@@ -68,9 +68,10 @@ class PosedView:
         """What there is to see."""
         return self._stage.geoms
 
-    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: Array) -> BoolArray:
-        """See `types.StageView`."""
-        return self._stage.hidden(origin, points, whose, flesh_m)
+    @property
+    def solids(self) -> Solids:
+        """What can hide something."""
+        return self._stage.solids
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ simulation time for what the world logs, the server's estimate of it for an `Eve
 uncorrected device clock, ``t_arrival_s`` is session time at the receiver.
 """
 
-from .bodies import Cue, DancerStates, Geoms, JointTargets, Servos, StageView
+from .bodies import Cue, DancerStates, Geoms, Servos, Solids, StageView
 from .devices import (
     ClientOrder,
     ClientStatus,
@@ -50,7 +50,6 @@ __all__ = [
     "Event",
     "Geoms",
     "IntArray",
-    "JointTargets",
     "Kind",
     "Move",
     "MoveCommand",
@@ -60,6 +59,7 @@ __all__ = [
     "Servos",
     "SkeletonFrame",
     "Skeletons",
+    "Solids",
     "StageView",
     "SyncReply",
     "SyncRequest",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
-from .words import Array, BoolArray, IntArray, Kind, Move
+from .words import Array, IntArray, Kind, Move
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,18 +41,6 @@ class Cue:
     def delayed(self, by_s: float) -> Cue:
         """The same cue, later."""
         return replace(self, t_s=self.t_s + by_s)
-
-
-class JointTargets(NamedTuple):
-    """Actuator targets of all dancers for one control tick (in the order of the cast).
-
-    Attributes:
-        joints: (D, 25) hinge targets with velocity feed-forward included [rad].
-        root: (D, 5) tether targets x, y [m], yaw, pitch, roll [rad], feed-forward included.
-    """
-
-    joints: Array
-    root: Array
 
 
 class DancerStates(NamedTuple):
@@ -130,6 +118,23 @@ class Geoms:
     owner: IntArray
 
 
+class Solids(NamedTuple):
+    """The same as compiled code reads it: arrays that always show the present, whose last two nobody else may write.
+
+    Attributes:
+        rows: (G, 3) row of each in the last two, its owner, its form.
+        shape: (G, 7) size as MuJoCo means it; half edges of a box, and the radius of a ball: the solid lies within the
+            ball round some point of the box, which is turned as the solid is [m].
+        position_m: (all, 3) centres in the world.
+        rotation: (all, 9) world from solid, row-major.
+    """
+
+    rows: IntArray
+    shape: Array
+    position_m: Array
+    rotation: Array
+
+
 class StageView(Protocol):
     """Read-only sight of the stage that sensors get; a scripted one tests them without physics."""
 
@@ -153,16 +158,7 @@ class StageView(Protocol):
         """Everything that can be seen, at this instant."""
         ...
 
-    def hidden(self, origin: Array, points: Array, whose: IntArray, flesh_m: Array) -> BoolArray:
-        """Which points something hides from an eye.
-
-        Args:
-            origin: (3,) the eye [m].
-            points: (N, 3) world points [m].
-            whose: (N,) index of the dancer that each point belongs to.
-            flesh_m: (N,) how deep under its own dancer's surface a point may lie and still be seen [m].
-
-        Returns:
-            (N,) True where a surface lies before the point.
-        """
+    @property
+    def solids(self) -> Solids:
+        """All that can hide something from an eye."""
         ...

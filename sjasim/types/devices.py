@@ -87,11 +87,14 @@ class PersonStatus(NamedTuple):
 
 
 class ClientStatus(NamedTuple):
-    """A client's regular report (5 Hz) of the persons it sees; the server matches persons with it."""
+    """A client's regular report (5 Hz) of the persons it sees; the server matches persons with it.
+
+    ``persons`` is None where the client has taken no frame since its last report: it lives, and that is all.
+    """
 
     sensor: str
     t_device_s: float
-    persons: tuple[PersonStatus, ...]
+    persons: tuple[PersonStatus, ...] | None
 
 
 class SyncRequest(NamedTuple):

@@ -142,30 +142,42 @@ class TestFeatures:
         features.add(Event("dancer_2", Kind.CLAP, t_s, t_s + 0.02, False, 1, "north"))
         features.add(Event("dancer_2", Kind.STOP_FORWARD, t_s + 1, t_s + 1.02, True, 1, "north"))
         features.add(Event("somebody", Kind.CLAP, t_s + 1, t_s + 1, False, 1, "north"))
-        ages = features.event_age(t_s + 3.0)
+        ages = self.parts(features, t_s + 3.0)[3]
         assert ages[1, 4, 0] == pytest.approx(3.0)
         assert ages[1, 1, 1] == pytest.approx(2.0)
         assert (ages == 10.0).sum() == ages.size - 2
-        assert (features.event_age(t_s + 30.0) == 10.0).all()
+        assert (self.parts(features, t_s + 30.0)[3] == 10.0).all()
+
+    def test_an_event_of_the_future_is_new(self):
+        """A clock that has jumped may say so; an age is never negative."""
+        features = Features(brief())
+        features.add(Event("dancer_1", Kind.CLAP, 9.0, 5.0, False, 1, "north"))
+        assert self.parts(features, 6.0)[3][0, 4, 0] == 0.0
 
     def test_the_last_iteration_is_told_against_the_music(self):
         features = Features(plan := brief())
         for step in STEPS:
             t_s = plan.iteration_start_s[1] + step.beat * plan.beat_s + 0.25
             features.add(Event("dancer_3", step.kind, t_s, t_s, False, 1, "north"))
-        assert not features.last_iteration(plan.iteration_start_s[1]).any()
-        late = features.last_iteration(plan.iteration_start_s[2])
+        assert not self.parts(features, plan.iteration_start_s[1])[5].any()
+        late = self.parts(features, plan.iteration_start_s[2])[5]
         assert late[2] == pytest.approx(0.25, abs=1e-6)
         assert not late[:2].any()
 
     def test_the_beat_runs_through_the_iteration(self):
         features = Features(plan := brief())
-        beat = features.beat(plan.iteration_start_s[2] + 10 * plan.beat_s)
+        beat = self.parts(features, plan.iteration_start_s[2] + 10 * plan.beat_s)[0]
         assert beat[0] == pytest.approx(0.25)
-        assert beat[1:5] == pytest.approx([1, -1, 0, 0], abs=1e-9)
-        assert features.iteration(plan.window_end_s[2]) == 2
-        assert features.iteration(plan.window_end_s[2] + 0.01) == 3
-        assert features.iteration(1e6) == 4
+        assert beat[1:5] == pytest.approx([1, -1, 0, 0], abs=1e-5)
+        times_s = plan.window_end_s[2], plan.window_end_s[2] + 0.01, 1e6
+        assert [int(self.parts(features, t_s)[4][0]) for t_s in times_s] == [2, 3, 4]
+        assert self.parts(features, 1e6)[0][0] == 2.0
+
+    @staticmethod
+    def parts(features, t_s):
+        """Beat, move, its age, ages (D, 5, 2), iteration, last iteration (D, K) out of a row."""
+        beat, move, sent, ages, iteration, late = np.split(features.row(t_s, 0, t_s), (9, 13, 14, 44, 45))
+        return beat, move, sent, ages.reshape(3, 5, 2), iteration, late.reshape(3, -1)
 
     def test_the_move_in_force_is_one_of_four(self):
         features = Features(brief())

@@ -12,11 +12,11 @@ from .source import Import, Module, imports, modules, skin
 
 LEVELS = {
     **dict.fromkeys(("types", "tempo", "answers", "logs", "errors"), 0),
-    **dict.fromkeys(("registry", "clock", "link", "rays"), 1),
+    **dict.fromkeys(("registry", "clock", "link", "rays", "contacts"), 1),
     **dict.fromkeys(("config", "config_io"), 2),
     **dict.fromkeys(("choreography", "assets"), 3),
     **dict.fromkeys(("humans", "robot", "sensors", "server", "anticipation", "record"), 4),
-    **dict.fromkeys(("stage", "ledger", "render", "window", "people", "worlds", "analysis"), 5),
+    **dict.fromkeys(("stage", "ledger", "turns", "render", "window", "people", "worlds", "analysis"), 5),
     "session": 6,
 }
 """Room -> level; every other top-level module is a command line or a study, at level 7."""
@@ -29,7 +29,8 @@ SAME_LEVEL = {
     ("config_io", "config"),
     ("choreography", "assets"),
     ("render", "stage"), ("window", "render"), ("window", "stage"),
-    ("ledger", "stage"), ("worlds", "stage"), ("worlds", "ledger"), ("worlds", "people"),
+    ("ledger", "stage"), ("turns", "stage"), ("turns", "ledger"), ("worlds", "turns"),
+    ("worlds", "stage"), ("worlds", "ledger"), ("worlds", "people"),
 }  # fmt: skip
 """(room, room of the same level that it may import)."""
 
@@ -102,7 +103,7 @@ def test_the_environments_stand_on_sjasim_and_gymnasium(module):
     found = {node.module or "" for node in ast.walk(module.tree) if isinstance(node, ast.ImportFrom) and not node.level}
     found |= {alias.name for node in ast.walk(module.tree) if isinstance(node, ast.Import) for alias in node.names}
     rooms = {name.partition(".")[0] for name in found}
-    assert rooms <= {"sjasim", "gymnasium", "numpy", *sys.stdlib_module_names}
+    assert rooms <= {"sjasim", "gymnasium", "numpy", "numba", *sys.stdlib_module_names}
     assert not {name for name in found if name.startswith(("sjasim.run", "sjasim.study", "sjasim.interop"))}
     if module.path.name == "__init__.py":
         assert rooms <= {"gymnasium", "__future__"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import multiprocessing
 import subprocess
 import sys
@@ -71,6 +72,14 @@ def test_the_flat_observation_is_the_named_one_flattened():
     for action in (0, 1, 1, 0, 3):
         assert np.array_equal(first, second)
         first, second = flat.step(action)[0], named.step(action)[0]
+
+
+def test_an_observation_that_somebody_keeps_stays_as_it_was():
+    for env, parts in ((make(), dict.values), (make("sjasim/DanceFlat-v0"), lambda row: [row])):
+        kept = [env.reset(seed=3)[0], *(env.step(action)[0] for action in (1, 1, 0))]
+        assert len({b"".join(part.tobytes() for part in parts(row)) for row in kept}) == len(kept)
+        for one, other in itertools.combinations([part for row in kept for part in parts(row)], 2):
+            assert not np.shares_memory(one, other)
 
 
 def test_told_is_what_a_method_is_told():

@@ -40,7 +40,7 @@ class Story:
         self.pose, self.touching = (0.0, 0.0), False
         room = layout("square", 3, CONFIG.room, CONFIG.sensors)
         stage = SimpleNamespace(
-            bumped=lambda: self.touching,
+            contacts=SimpleNamespace(bumped=lambda: self.touching),
             robot_pose=lambda: (room.robot[0] + self.pose[0], room.robot[1] + self.pose[1], math.pi / 2),
         )
         self.session = SimpleNamespace(
@@ -64,7 +64,8 @@ class Story:
     def after(self, seconds=0.0, until=None):
         self.session.time_s = self.session.time_s + seconds if until is None else until
         info = self.scorer.update()
-        return {name: value for name, value in self.scorer.terms.items() if value}, info
+        terms = self.scorer.terms.items()
+        return {name.removeprefix("reward_"): value for name, value in terms if value}, info
 
 
 @pytest.mark.parametrize(("off_s", "paid"), [(0.0, 1.0), (0.25, 0.75), (-0.25, 0.75), (1.5, -0.5), (3.0, -1.0)])

@@ -15,9 +15,11 @@ from sjasim.humans.anatomy import Anatomy, Build, anatomy
 from sjasim.humans.balance import Balance, BalanceGains
 from sjasim.humans.motion import Planner
 from sjasim.humans.reference import Reference
+from sjasim.ledger import Ledger
 from sjasim.registry import resolve
 from sjasim.stage import Stage
 from sjasim.tempo import TempoMap
+from sjasim.turns import DancersTurn
 from sjasim.types import Array, Cue, Kind, Move, dancer_name
 
 HZ = StageConfig().balance_hz
@@ -90,7 +92,8 @@ class Floor:
         start = self.reference.joints[:, 0].copy(), self.reference.pelvis[:, 0].copy()
         self.stage = Stage(self.bodies, room, (self.heading, NORTH), *start, StageConfig(), self.body, self.robot)
         omega = np.array([planner.omega for planner in self.planners])
-        self.balance = Balance(self.reference, omega, HZ, self.stage.servos, self.gains)
+        balance = Balance(self.reference, omega, HZ, self.stage.servos, self.gains)
+        self.turn = DancersTurn(self.stage, balance, Ledger(self.stage.servos.weight, 1))
         self.cues: list[list[Cue]] = [[] for _ in self.bodies]
         self.tick = 0
         self.truth: dict[str, list[Array]] = {name: [] for name in ("roots", "tether", "loads", "hands", "joints")}
@@ -103,7 +106,7 @@ class Floor:
         """Dance on, to the end unless told how long."""
         last = self.ticks if seconds is None else self.tick + round(seconds * HZ)
         for tick in range(self.tick, last):
-            self.stage.apply(self.balance.targets(tick, self.stage.states()))
+            self.turn.take(tick, tick / HZ)
             self.stage.step_to((tick + 1) * TICKS)
             self.stage.feel()
             states = self.stage.states()

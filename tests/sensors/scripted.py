@@ -11,9 +11,11 @@ from sjasim.assets.names import JOINT_INDEX, JOINTS
 from sjasim.choreography.layout import Mount, layout
 from sjasim.clock import DeviceClock, stream
 from sjasim.config import DetectorConfig, RoomConfig, SensorConfig
+from sjasim.rays.hiding import shapes
+from sjasim.rays.primitives import SPHERE
 from sjasim.sensors.client import Client
 from sjasim.sensors.joints import JointsSensing
-from sjasim.types import ClientOrder, DeviceEvent, Kind
+from sjasim.types import ClientOrder, DeviceEvent, Kind, Solids
 
 ONSET_M_S = 0.10
 
@@ -139,19 +141,14 @@ class ScriptedView:
         self.yaw_rad = np.array([heading for _, heading in states])
         return self
 
-    def hidden(self, origin: np.ndarray, points: np.ndarray, whose: np.ndarray, flesh_m: np.ndarray) -> np.ndarray:
-        way = points - origin
-        length = np.linalg.norm(way, axis=1)
-        out = np.zeros(len(points), dtype=bool)
-        for screen in self.screens:
-            if not screen.from_s <= self.time_s < screen.until_s:
-                continue
-            to_centre = np.array(screen.centre) - origin
-            along = way / length[:, None] @ to_centre
-            inside = along**2 - to_centre @ to_centre + screen.radius_m**2
-            hit = np.where((inside > 0) & (along > 0), along - np.sqrt(np.maximum(inside, 0.0)), np.inf)
-            out |= hit < length - np.where(whose == screen.owner, flesh_m, 0.0)
-        return out
+    @property
+    def solids(self) -> Solids:
+        there = [screen for screen in self.screens if screen.from_s <= self.time_s < screen.until_s]
+        rows = np.array([(row, screen.owner, SPHERE) for row, screen in enumerate(there)], dtype=np.int64)
+        sizes = np.array([(screen.radius_m, 0.0, 0.0) for screen in there]).reshape(-1, 3)
+        centres = np.array([screen.centre for screen in there]).reshape(-1, 3)
+        shape = shapes(np.full(len(there), SPHERE), sizes)
+        return Solids(rows.reshape(-1, 3), shape, centres, np.tile(np.eye(3).ravel(), (len(there), 1)))
 
 
 NORTH: Mount = layout("square", 3, RoomConfig(), SensorConfig()).mounts[0]

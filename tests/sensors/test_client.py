@@ -32,19 +32,21 @@ def walkers() -> ScriptedView:
 
 
 class Counting(ScriptedView):
-    rays = 0
+    frames = 0
 
-    def hidden(self, origin, points, whose, flesh_m):
-        self.rays += 1
-        return super().hidden(origin, points, whose, flesh_m)
+    @property
+    def solids(self):
+        self.frames += 1
+        return super().solids
 
 
 def test_an_idle_client_takes_few_frames_and_reports_status_only():
     view = Counting(walkers().scripts)
     messages = run(client(), view, 0, 120)
-    assert view.rays == 20
+    assert view.frames == 8
     assert {type(message) for _, message in messages} == {ClientStatus}
     assert [round(t * FRAME_HZ) for t, _ in messages] == [2 + 6 * k for k in range(20)]
+    assert sum(message.persons is not None for _, message in messages) == 8
 
 
 def test_a_watching_client_takes_every_frame_and_reports_status_as_often():
@@ -52,7 +54,7 @@ def test_a_watching_client_takes_every_frame_and_reports_status_as_often():
     watcher.receive(0.0, ClientOrder("north", True), 0.0)
     view = Counting(walkers().scripts)
     messages = [message for _, message in run(watcher, view, 0, 150)]
-    assert view.rays == 150
+    assert view.frames == 150
     assert sum(isinstance(message, ClientStatus) for message in messages) == 25
     assert sum(isinstance(message, DeviceEvent) for message in messages) == 9
 

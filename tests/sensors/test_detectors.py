@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from sjasim.config import DetectorConfig, SensorConfig
-from sjasim.sensors.detectors import Detectors, MotionDetector
-from sjasim.sensors.glimpse import Glimpse
+from sjasim.sensors import motion
+from sjasim.sensors.detectors import Detectors
+from sjasim.sensors.glimpse import GLIMPSE
+from sjasim.sensors.thresholds import rules
 from sjasim.types import DeviceEvent, Kind, MoveDuration, SkeletonFrame, Skeletons
 
 from .scripted import (
@@ -183,15 +185,15 @@ def test_from_behind_going_forward_is_going_away_from_the_sensor_and_claps_are_n
 )  # fmt: skip
 def test_what_happens_out_of_sight_is_nobodys_event(blind_s, expected):
     """Forward from 1 to 3 s, backward from 4 to 6 s; seen again in the same move, a person goes on with it."""
-    detector = MotionDetector(DetectorConfig(), {})
+    person, glimpse, rule = motion.strangers(1)[0], np.zeros(1, dtype=GLIMPSE)[0], rules(DetectorConfig(), FRAME_HZ)[0]
     seen = []
     for frame in range(240):
         t_s = frame / FRAME_HZ
         speed = 0.25 * (1.0 <= t_s < 3.0) - 0.25 * (4.0 <= t_s < 6.0)
         blind = blind_s[0] <= t_s < blind_s[1]
-        glimpse = Glimpse(math.nan if blind else speed, 0, 0, 4, math.nan, 0.0, 0.0, 0)
-        _, regular = detector.update(t_s, glimpse, 4 / FRAME_HZ, False)
-        seen += [regular.kind] if regular else []
+        glimpse["speed_m_s"] = math.nan if blind else speed
+        _, regular = motion.judge(person, t_s, glimpse, 4 / FRAME_HZ, False, rule)
+        seen += [motion.EVENTS[regular]] if regular else []
     words = ["stop" if kind in (Kind.STOP_FORWARD, Kind.STOP_BACKWARD) else kind.value[6:] for kind in seen]
     assert ", ".join(words) == expected
 

@@ -1,0 +1,131 @@
+"""What happens 50 times a second, in one compiled call each: a turn of all dancers and a turn of the robot.
+
+Between two turns the physics runs through the processor's caches and leaves them cold; so what a turn costs is the
+memory that it touches, and a dozen Python objects on the way cost more than its arithmetic.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from .config import RobotConfig
+from .humans.balance import HINGES, Balance, correct
+from .ledger import Ledger
+from .robot.diff_drive import Pose
+from .robot.executor import LEFT_WHEEL, RIGHT_WHEEL, Executor, steer
+from .robot.odometry import RATE, Odometry, RobotEventDetector, detect, reckon
+from .stage import BASE, GYRO, LEFT_ANGLE, LEFT_MOTOR, RIGHT_ANGLE, RIGHT_MOTOR, Stage, command, gather
+from .types import Array, IntArray, Kind, MoveCommand, RobotState
+
+
+@njit(cache=True)
+def _balance(
+    tick: int, row: int, truth: Array, felt: Array, com: Array, velocity: Array, centre: Array, qpos: Array,
+    qvel: Array, sites: Array, forces: Array, load: Array, mass: Array, parent: IntArray, momentum: Array,
+    where: IntArray, rate: float, until: IntArray, plan: Array, servo: Array, gain: Array, shift: Array, targets: Array,
+    ctrl: Array,
+) -> None:  # fmt: skip
+    """Feel, keep, correct, command: see `stage.gather`, `balance.correct` and `stage.command` for the arguments."""
+    gather(
+        com, velocity, centre, qpos, qvel, sites, forces, load, mass, parent, momentum, where, felt,
+    )  # fmt: skip
+    if row >= 0:
+        for d in range(felt.shape[0]):
+            for k in range(felt.shape[1]):
+                truth[row, d, k] = felt[d, k]
+    correct(tick, rate, until, plan, felt, servo, gain, shift, targets)
+    command(targets, where, ctrl)
+
+
+class DancersTurn:
+    """The dancers' turn: what they feel goes into the ledger, and the targets that follow from it to their actuators.
+
+    Args:
+        stage: with the dancers.
+        balance: their controller.
+        ledger: of the session.
+    """
+
+    def __init__(self, stage: Stage, balance: Balance, ledger: Ledger) -> None:
+        self._stage, self._ledger, self._targets = stage, ledger, balance.targets
+        self._arrays = (*stage.felt, *balance.plan, *balance.memory, stage.ctrl)
+        self._felt = stage.states().rows
+
+    def take(self, tick: int, now: float) -> None:
+        """Take the turn of a control tick, at session time ``now``."""
+        ledger = self._ledger
+        _balance(tick, ledger.tick(now), ledger.states, self._felt, *self._arrays)
+        if not self._stage.direct:
+            self._stage.bend(self._targets[:, :HINGES])
+
+
+@njit(cache=True)
+def _ride(
+    t_s: float, noise: float, jammed: bool, row: int, rides: Array, qpos: Array, sensed: Array, place: Array,
+    attitude: Array, where: IntArray, ctrl: Array, base: Array, belief: Array, seen: Array, limits: Array, work: Array,
+) -> int:  # fmt: skip
+    """Odometry, events, wheel command and the record of them: see `robot.odometry` and `robot.executor`."""
+    reckon(t_s, qpos[where[LEFT_ANGLE]], qpos[where[RIGHT_ANGLE]], sensed[where[GYRO]], noise, base, belief)
+    event = int(detect(belief, seen))
+    steer(belief, limits, work)
+    ctrl[where[LEFT_MOTOR]] = 0.0 if jammed else work[LEFT_WHEEL]
+    ctrl[where[RIGHT_MOTOR]] = 0.0 if jammed else work[RIGHT_WHEEL]
+    body = where[BASE]
+    for k in range(RATE + 1):
+        rides[row, k] = belief[k]
+    rides[row, RATE + 1], rides[row, RATE + 2] = place[body, 0], place[body, 1]
+    rides[row, RATE + 3] = math.atan2(attitude[body, 3], attitude[body, 0])
+    return event
+
+
+class RobotTurn:
+    """The robot's turn: what it senses goes into odometry and the ledger, and what it makes of it to its wheels.
+
+    Args:
+        stage: with the robot.
+        config: of the robot.
+        pose: where it believes to start.
+        rng: noise of its gyro.
+        ledger: of the session.
+    """
+
+    def __init__(self, stage: Stage, config: RobotConfig, pose: Pose, rng: np.random.Generator, ledger: Ledger) -> None:
+        self._odometry = odometry = Odometry(config, pose, rng)
+        self._detector = detector = RobotEventDetector(config)
+        self._executor = executor = Executor(config)
+        self._ledger = ledger
+        self._arrays = (
+            *stage.robot, stage.ctrl, odometry.base, odometry.belief, detector.seen, executor.limits, executor.work,
+        )  # fmt: skip
+
+    @property
+    def state(self) -> RobotState:
+        """Where it believed to be at its last turn."""
+        return self._odometry.state
+
+    @property
+    def blocked(self) -> bool:
+        """See `Executor.blocked`."""
+        return self._executor.blocked
+
+    def receive(self, t_s: float, command: MoveCommand) -> None:
+        """See `Executor.receive`."""
+        self._executor.receive(t_s, command)
+
+    def take(self, t_s: float, *, jammed: bool) -> tuple[Kind, float] | None:
+        """Take the turn of session time ``t_s``.
+
+        Args:
+            t_s: the present.
+            jammed: whether the wheels stand still, whatever it wants.
+
+        Returns:
+            an event that its odometry shows by now, and when it was [s].
+        """
+        self._executor.take_up(t_s)
+        ledger = self._ledger
+        event = _ride(t_s, self._odometry.noise_rad_s(), jammed, ledger.ride(), ledger.rides, *self._arrays)
+        return self._detector.event(event) if event else None
