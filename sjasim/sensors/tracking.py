@@ -270,8 +270,9 @@ class Person:
     def hold(self, joints: Array, seen: posture.Seen, interval_s: float) -> None:
         """Count joints as seen that lack support for a moment only, and hands that touch for longer; none that leaps.
 
-        Hands that touch hide each other's surface, and neither goes far: one that is not found is beside the other. What was here a moment ago and is found
-        somewhere else altogether is not there, but hidden, and something else looks like it.
+        Hands that touch hide each other's surface, and neither goes far: one that is not found is beside the other.
+        What was here a moment ago and is found somewhere else altogether is not there, but hidden, and something
+        else looks like it.
 
         Args:
             joints: (25, 3) where votes agree.
