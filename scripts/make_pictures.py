@@ -35,6 +35,8 @@ MOVES = ((Move.FORWARD, "forward"), (Move.BACKWARD, "backward"), (Move.CLAP, "cl
 ITERATION = 1
 PANEL = (800, 450)
 ROOM = (1280, 720)
+BAR_PX = 37
+"""Height of the bar with which the viewer's window begins; it says how the picture was made, not what it shows."""
 LATE_S = 1.0
 """So long after the start of the last move but one the overview is taken: everything is on its way."""
 
@@ -114,6 +116,8 @@ def main() -> int:
         moment = next(step.t_s for step in found.steps if (step.iteration, step.ordinal) == (3, 6)) + LATE_S
         for report in screenshot(recording, options.out / "overview.png", moment):
             sys.stderr.write(f"{report}\n")
+    with Image.open(options.out / "overview.png") as window:
+        window.crop((0, BAR_PX, *window.size)).save(options.out / "overview.png", optimize=True)
     return 0
 
 

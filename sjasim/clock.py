@@ -31,8 +31,9 @@ class Ticks:
 
     def first_s(self, time_s: float) -> float:
         """Session time of the first tick that is not before ``time_s``; no rounding noise is forgiven [s]."""
-        tick = self.at_or_after(time_s)
-        return self.time_s(tick) if self.time_s(tick) >= time_s else self.time_s(tick + 1)
+        tick = math.ceil(time_s * self.rate_hz - 1e-9 * self.rate_hz)
+        at_s = tick / self.rate_hz
+        return at_s if at_s >= time_s else (tick + 1) / self.rate_hz
 
     def firing(self, count: int, task_hz: int) -> int:
         """Tick of the ``count``-th firing of a task, ceil(count P / f).

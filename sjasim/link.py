@@ -68,7 +68,7 @@ class Link(Generic[T]):
     def __init__(self, quality: LinkQuality, rng: np.random.Generator, mail: Mail[T]) -> None:
         self._quality = quality
         self._rng = rng
-        self._draws: list[tuple[float, float]] = []
+        self._draws: list[tuple[bool, float]] = []
         self._mail = mail
         self._last_arrival_s = -np.inf
         self.sent = 0
@@ -80,21 +80,21 @@ class Link(Generic[T]):
         The same number of random draws is spent on lost and delivered messages, so that changing the loss
         changes nothing else.
         """
-        quality = self._quality
         self.sent += 1
         if not self._draws:
             self._draws = self._drawn()
-        chance, delay = self._draws.pop()
-        arrival = t_s + (quality.latency_s + delay * quality.jitter_s)
-        if chance < quality.loss:
+        lost, delay_s = self._draws.pop()
+        if lost:
             self.lost += 1
             return
-        if quality.ordered:
+        arrival = t_s + delay_s
+        if self._quality.ordered:
             arrival = max(arrival, self._last_arrival_s)
             self._last_arrival_s = arrival
         self._mail.put(arrival, message)
 
-    def _drawn(self) -> list[tuple[float, float]]:
-        """The fate of the next messages, chance and delay; drawn for many at a time, which is cheaper."""
-        chances, delays = self._rng.random(_BLOCK), self._rng.standard_exponential(_BLOCK)
-        return list(zip(chances.tolist(), delays.tolist(), strict=True))
+    def _drawn(self) -> list[tuple[bool, float]]:
+        """The fate of the next messages, whether they are lost and their delay [s]; for many at a time is cheaper."""
+        quality = self._quality
+        lost, delays = self._rng.random(_BLOCK) < quality.loss, self._rng.standard_exponential(_BLOCK)
+        return list(zip(lost.tolist(), (quality.latency_s + delays * quality.jitter_s).tolist(), strict=True))

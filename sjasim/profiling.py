@@ -45,14 +45,16 @@ class Meter:
 def profile(config: SessionConfig) -> dict[str, Any]:
     """Measure a session by room, then plain, in turn with the bare physics under the same controls.
 
-    A short session comes first, so that no compiling is measured. Plain session and bare physics take turns of a few
-    simulated seconds: a machine that slows down slows both.
+    A short session comes first, so that nothing is measured that a process does once, such as compiling. Plain
+    session and bare physics take turns of a few simulated seconds: a machine that slows down slows both.
 
     Returns:
         ``sim_s``, ``cpu_s`` of the plain session, ``raw_cpu_s`` of its controls replayed, ``room_cpu_s`` by room,
         ``stabiliser_ticks``, ``decisions`` and ``peak_mb``.
     """
-    Session(config).advance(WARM_S)
+    warm = Session(config)
+    warm.advance(WARM_S)
+    warm.log()
     meter, metered = Meter(), Session(config)
     start = (metered.world.stage.data.qpos.copy(), metered.world.stage.data.qvel.copy())
     controls = instrument(meter, metered)

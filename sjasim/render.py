@@ -74,8 +74,7 @@ class Renderer:
     def __init__(
         self, stage: Stage, width: int = 960, height: int = 540, mounts: Sequence[Mount] = (), *, fine: bool = True
     ) -> None:
-        if not (16 <= width <= 3840 and 16 <= height <= 2160):
-            raise RenderError(f"a picture of {width} x {height} is not allowed: 16 x 16 to 3840 x 2160 pixels")
+        self.check(width, height)
         self._stage, self._mounts = stage, tuple(mounts)
         visual = stage.model.vis.global_
         visual.offwidth, visual.offheight = max(visual.offwidth, width), max(visual.offheight, height)
@@ -95,6 +94,17 @@ class Renderer:
         self._option = mujoco.MjvOption()
         self._option.sitegroup[:] = 0
         self._option.geomgroup[3] = 0
+
+    @staticmethod
+    def check(width: int, height: int) -> None:
+        """Whether there can be a picture of this size.
+
+        Raises:
+            RenderError: there cannot.
+        """
+        whole = isinstance(width, int) and isinstance(height, int)
+        if not (whole and 16 <= width <= 3840 and 16 <= height <= 2160):
+            raise RenderError(f"a picture of {width} x {height} is not allowed: 16 x 16 to 3840 x 2160 pixels")
 
     def frame(self, camera: str | Camera = "room", active: str = "") -> Picture:
         """A picture of this moment.

@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
 from .answers import Answer, Brief
@@ -72,6 +73,8 @@ class Session:
             self.method.reset(self.brief, stream(config.seed, "anticipation", config.method))
         self._open_links([mount.name for mount in self.layout.mounts])
         self._boundaries = _boundaries(self)
+        self._circle = self._ups, self._downs, self.server, self.dispatcher, self._boundaries
+        """Who knows when something happens outside the world: an arrival, a timer, a boundary."""
         self.world.active = self.server.active
         self.handovers = [Handover(0.0, self.server.active)]
         self.events: list[Event] = []
@@ -110,33 +113,32 @@ class Session:
         Nothing of it reaches the world but messages to devices, and these act on them at their next turn: so the
         physics need not stop for it.
         """
-        while (due_s := self._next_due_s()) <= now:
+        ups, downs, server, dispatcher, boundaries = self._circle
+        while True:
+            due_s = min(
+                ups.next_arrival_s, downs.next_arrival_s, server.next_due_s, dispatcher.next_due_s, boundaries[0][0]
+            )
+            if due_s > now:
+                return
             self._happen(self.world.instant_s(due_s))
 
-    def _next_due_s(self) -> float:
-        """When something happens outside the world: an arrival, a timer, a boundary."""
-        return min(
-            self._ups.next_arrival_s,
-            self._downs.next_arrival_s,
-            self.server.next_due_s,
-            self.dispatcher.next_due_s,
-            self._boundaries[0][0],
-        )
-
     def _happen(self, now: float) -> None:
-        for t_arrival_s, message in self._ups.receive(now):
-            if isinstance(message, RobotState):
-                self.dispatcher.robot(t_arrival_s, message)
-            else:
-                self._tell(t_arrival_s, message)
+        """Let happen what is due at one instant: arrivals, then timers, then what the devices are told."""
+        if self._ups.next_arrival_s <= now:
+            for t_arrival_s, message in self._ups.receive(now):
+                if isinstance(message, RobotState):
+                    self.dispatcher.robot(t_arrival_s, message)
+                else:
+                    self._tell(t_arrival_s, message)
         self._conduct(now)
         if self.server.active != self.handovers[-1].sensor:
             self.handovers.append(Handover(now, self.server.active))
             self.world.active = self.server.active
-        for t_arrival_s, order in self._downs.receive(now):
-            reply = self.world.deliver(now, t_arrival_s, order)
-            if reply is not None:
-                self._send_up(now, reply)
+        if self._downs.next_arrival_s <= now:
+            for t_arrival_s, order in self._downs.receive(now):
+                reply = self.world.deliver(now, t_arrival_s, order)
+                if reply is not None:
+                    self._send_up(now, reply)
 
     def _send_up(self, now: float, output: Outward) -> None:
         if isinstance(output, DeviceEvent):
@@ -227,7 +229,8 @@ def run_session(
     return session.log()
 
 
-def versions() -> dict[str, str]:
+@cache
+def versions() -> Mapping[str, str]:
     """Versions of the packages that a session's outcome depends on; those not installed are left out."""
     found: dict[str, str] = {}
     for name in _PACKAGES:

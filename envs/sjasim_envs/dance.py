@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 
 from sjasim.answers import Answer, Brief
 from sjasim.anticipation.features import MOVES
+from sjasim.anticipation.method import build
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
 from sjasim.config_io import from_plain
 from sjasim.errors import SjasimError
 from sjasim.humans.body import body_model
+from sjasim.people import people
 from sjasim.render import Renderer
 from sjasim.session import HUMANS_ONLY, Session
 from sjasim.types import (
@@ -99,6 +101,12 @@ class _Dance(gym.Env[Any, Any]):
             raise error.UnsupportedMode(f"render_mode = {render_mode!r} is not allowed: human, rgb_array or None")
         if isinstance(step_hz, bool) or not isinstance(step_hz, int) or not 1 <= step_hz <= 120:
             raise error.Error(f"step_hz = {step_hz!r} is not allowed: a whole number from 1 to 120")
+        if not isinstance(skip_rehearsal, bool):
+            raise error.Error(f"skip_rehearsal = {skip_rehearsal!r} is not allowed: True or False")
+        if not isinstance(config, SessionConfig | None):
+            raise error.Error(
+                f"config = {config!r} is not allowed: a SessionConfig; plain fields are options themselves"
+            )
         self.config = _configured(config or SessionConfig(method=AGENT), options)
         self._first_seed = self.config.seed if "seed" in options or config is not None else None
         self._weights = RewardConfig.of(reward or {})
@@ -111,6 +119,10 @@ class _Dance(gym.Env[Any, Any]):
         try:
             if render_mode == "human":
                 Window.check()
+            Renderer.check(width, height)
+            if self.config.method != AGENT:
+                build(self.config.method, self.config.method_options)
+            people(self.config, timetable(self.config))
             body_model(self.config.body.model)
             steps = timetable(self.config).choreography.steps()
             mounts = layout(self.config.layout, self.config.group, self.config.room, self.config.sensors).mounts
@@ -173,10 +185,13 @@ class _Dance(gym.Env[Any, Any]):
         Raises:
             error.InvalidAction: the action lies outside the action space.
             error.ResetNeeded: before `reset`, or after the dance is over.
+            error.ClosedEnvironmentError: after `close`.
         """
         session = self.session
         if self._over:
-            raise error.ResetNeeded("step() after the dance was over (terminated or closed): call reset() first")
+            if self._closed:
+                raise error.ClosedEnvironmentError("step() of an environment that has been closed")
+            raise error.ResetNeeded("step() after the dance was over: call reset() first")
         self._act(session, action)
         self._steps += 1
         session.advance(min(self._steps / self._hz, session.end_s))
@@ -213,6 +228,8 @@ class _Dance(gym.Env[Any, Any]):
             self._pictures = None
 
     def _episode(self, seed: int | None, options: Mapping[str, Any]) -> SessionConfig:
+        if not isinstance(options, Mapping):
+            raise error.Error(f"reset(options={options!r}) is not allowed: a mapping of {', '.join(OPTIONS)}")
         unknown = [name for name in options if name not in OPTIONS]
         if unknown:
             raise error.Error(f"reset(options=...): no option {unknown[0]!r}; known are {', '.join(OPTIONS)}")

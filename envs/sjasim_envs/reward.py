@@ -60,6 +60,8 @@ class RewardConfig:
             error.Error: a weight that does not exist, or one that is not a number from 0 to 1000.
         """
         known = [item.name for item in dataclasses.fields(cls)]
+        if not isinstance(given, Mapping):
+            raise error.Error(f"reward = {given!r} is not allowed: weights by name, of {', '.join(known)}")
         for name, value in given.items():
             if name not in known:
                 raise error.Error(f"reward.{name}: no such weight; known are {', '.join(known)}")

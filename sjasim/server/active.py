@@ -71,6 +71,7 @@ class ActiveClient:
         self._likely = [(frozenset([own]), frozenset([own, then])) for own, then in pairwise([*faced, faced[-1]])]
         self._starts_s = [timetable.start_s(iteration) for iteration in span]
         self._joins_s = [timetable.time_s(iteration, OVERLAP_BEAT) for iteration in span]
+        self._settled_until_s = -math.inf
         self.name = faced[0]
         """The active client's sensor."""
 
@@ -104,6 +105,7 @@ class ActiveClient:
         if client.alive:
             return []
         client.alive = True
+        self._settled_until_s = -math.inf
         return [Notice(t_s, sensor, "client is back")]
 
     def report(self, t_s: float, sensor: str, persons: Sequence[PersonStatus]) -> None:
@@ -119,32 +121,59 @@ class ActiveClient:
         client.view = view / self._group
         client.seen = len(persons)
         client.viewed_s = t_s
+        self._settled_until_s = -math.inf
 
     def choose(self, t_s: float) -> list[Notice]:
-        """Bring the choice up to date; the notices say which client died and who took over for it."""
+        """Bring the choice up to date; the notices say which client died and who took over for it.
+
+        Between two reports nothing changes it but time, which does so at known instants: until the next of them there
+        is nothing to do.
+        """
+        if t_s < self._settled_until_s:
+            return []
         notices: list[Notice] = []
         for name, client in self._clients.items():
             if client.alive and t_s - client.heard_s > SILENCE_S:
                 client.alive = False
                 notices.append(Notice(t_s, name, f"client is dead: silent for more than {SILENCE_S:g} s"))
-        expected = self.expected(t_s)
-        scores = {name: self._score(name, expected, t_s) for name in self._clients}
-        best = max(scores, key=lambda name: scores[name])
-        if scores[best] == -math.inf or scores[best] <= scores[self.name] + HYSTERESIS:
-            return notices
-        if not self._clients[self.name].alive:
-            notices.append(Notice(t_s, best, f"client takes over from {self.name}"))
-        self.name = best
+        best, best_score, own_score = self._best(t_s)
+        if best_score != -math.inf and best_score > own_score + HYSTERESIS:
+            if not self._clients[self.name].alive:
+                notices.append(Notice(t_s, best, f"client takes over from {self.name}"))
+            self.name = best
+        self._settled_until_s = self._next_change_s(t_s)
         return notices
 
-    def _score(self, name: str, expected: frozenset[str], t_s: float) -> float:
-        client = self._clients[name]
-        if not client.alive:
-            return -math.inf
-        fresh = t_s - client.viewed_s <= STALE_S
-        if name not in expected and not (fresh and client.seen):
-            return -math.inf
-        return (client.view if fresh else 0.0) + (PRIOR if name in expected else 0.0)
+    def _best(self, t_s: float) -> tuple[str, float, float]:
+        """Who sees the dance best, how well, and how well the active client does; minus infinity for not at all."""
+        expected = self.expected(t_s)
+        best, best_score, own_score = "", -math.inf, -math.inf
+        for name, client in self._clients.items():
+            prior, fresh = name in expected, t_s - client.viewed_s <= STALE_S
+            if client.alive and (prior or (fresh and client.seen)):
+                score = (client.view if fresh else 0.0) + (PRIOR if prior else 0.0)
+                if score > best_score:
+                    best, best_score = name, score
+                if name == self.name:
+                    own_score = score
+        return best, best_score, own_score
+
+    def _next_change_s(self, t_s: float) -> float:
+        """When the choice may change without a report: a client falls silent, its view goes stale, another is expected.
+
+        A microsecond early, for rounding's sake.
+        """
+        limit_s = math.inf
+        for client in self._clients.values():
+            if client.alive:
+                limit_s = min(limit_s, client.heard_s + SILENCE_S)
+            if client.viewed_s + STALE_S >= t_s:
+                limit_s = min(limit_s, client.viewed_s + STALE_S)
+        for marks_s in (self._starts_s, self._joins_s):
+            after = bisect_right(marks_s, t_s)
+            if after < len(marks_s):
+                limit_s = min(limit_s, marks_s[after])
+        return limit_s - 1e-6
 
     def _sensor_at(self, heading_rad: float) -> str:
         order = [name for name in CARDINALS if name in self._clients] or list(self._clients)

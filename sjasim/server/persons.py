@@ -40,7 +40,7 @@ class Persons:
         self._index: dict[str, dict[int, int]] = {}
 
     def known(self, sensor: str) -> Mapping[int, int]:
-        """A sensor's persons by their places in the cast; `update` brings another mapping and leaves this as it is."""
+        """A sensor's persons by their places in the cast; once somebody is another one, in another mapping."""
         return self._index.get(sensor, {})
 
     def name(self, sensor: str, person: int) -> str | None:
@@ -62,22 +62,35 @@ class Persons:
             persons: everyone it sees; somebody it has lost is simply not there, and a place that is not finite
                 counts as lost.
         """
-        persons = [person for person in persons if math.isfinite(person.x_m) and math.isfinite(person.y_m)]
         known = self._index.get(sensor, {})
+        if not self._go_on(known, persons):
+            persons = [person for person in persons if math.isfinite(person.x_m) and math.isfinite(person.y_m)]
+            known = self._index[sensor] = self._renamed(known, t_s, persons)
+        for person in persons:
+            index = known.get(person.person)
+            if index is not None:
+                self._places[index] = (person.x_m, person.y_m)
+                self._seen_s[index] = t_s
+
+    def _go_on(self, known: Mapping[int, int], persons: Sequence[PersonStatus]) -> bool:
+        """Whether everybody is known and still where their name was."""
+        for person in persons:
+            index = known.get(person.person)
+            if index is None or not self._distance(index, person) <= NEAR_M:
+                return False
+        return True
+
+    def _renamed(self, known: Mapping[int, int], t_s: float, persons: Sequence[PersonStatus]) -> dict[int, int]:
+        """Who is who, of those a sensor sees and those it has just lost."""
         kept = [known.get(person.person) for person in persons]
         if any(index is None or self._distance(index, person) > NEAR_M
                for index, person in zip(kept, persons, strict=True)):  # fmt: skip
             kept = self._assigned(t_s, persons)
-        present: dict[int, int] = {}
-        for index, person in zip(kept, persons, strict=True):
-            if index is not None:
-                present[person.person] = index
-                self._places[index] = (person.x_m, person.y_m)
-                self._seen_s[index] = t_s
+        present = {person.person: index for index, person in zip(kept, persons, strict=True) if index is not None}
         for person_id, index in known.items():
             if person_id not in present and index not in present.values():
                 present[person_id] = index  # an event of somebody just lost may still be under way
-        self._index[sensor] = present
+        return present
 
     def _distance(self, index: int, person: PersonStatus) -> float:
         x, y = self._places[index]

@@ -25,11 +25,8 @@ class RollCall:
         self._cast = tuple(cast)
         self._closes = [(timetable.close_s(i) + WAIT_S, i) for i in range(timetable.first, timetable.last + 1)]
         self._seen: set[tuple[int, str]] = set()
-
-    @property
-    def next_due_s(self) -> float:
+        self.next_due_s = self._closes[0][0]
         """Session time of the next call; infinite after the last."""
-        return self._closes[0][0] if self._closes else math.inf
 
     def saw(self, event: Event) -> None:
         """Somebody did something; early events do not count."""
@@ -42,5 +39,6 @@ class RollCall:
         while self.next_due_s <= t_s:
             _, iteration = self._closes.pop(0)
             missing = [name for name in self._cast if (iteration, name) not in self._seen]
+            self.next_due_s = self._closes[0][0] if self._closes else math.inf
             notices += [Notice(t_s, name, f"no event seen in iteration {iteration}") for name in missing]
         return notices

@@ -83,8 +83,9 @@ class Server:
         # Spread over the interval, so that the exchanges do not queue behind one another.
         count = len(self._clocks)
         self._sync_due_s = {sensor: place * self._sync_s / count for place, sensor in enumerate(self._clocks)}
+        self._sync_next_s = 0.0
         self._order_due_s = 0.0
-        self._ordered: tuple[frozenset[str], frozenset[str]] | None = None
+        self._ordered: tuple[frozenset[str], frozenset[str]] = frozenset(), frozenset()
         self._nameless: set[tuple[str, int]] = set()
         self._started: dict[str, Event] = {}
         self._logged: dict[tuple[str, Kind], float] = {}
@@ -105,7 +106,7 @@ class Server:
         return self._clocks[sensor].session_time(t_device_s)
 
     def known(self, sensor: str) -> Mapping[int, int]:
-        """A sensor's persons by their places in the cast; a report brings another mapping and leaves this as it is."""
+        """A sensor's persons by their places in the cast; once somebody is another one, in another mapping."""
         return self._persons.known(sensor)
 
     def receive(self, t_arrival_s: float, message: ClientMessage) -> list[Event]:
@@ -118,7 +119,9 @@ class Server:
         Returns:
             the events that follow from it, at most one.
         """
-        self.notices += self._active.heard(t_arrival_s, message.sensor)
+        sensor = message.sensor
+        if back := self._active.heard(t_arrival_s, sensor):
+            self.notices += back
         if isinstance(message, DeviceEvent):
             event = self._event(t_arrival_s, message)
             if event is None:
@@ -127,10 +130,10 @@ class Server:
             self._roll_call.saw(event)
             return [event]
         if isinstance(message, SyncReply):
-            self._exchanges[message.sensor].answered(message.t_server_send_s)
-            jump = self._clocks[message.sensor].add(message, t_arrival_s)
+            self._exchanges[sensor].answered(message.t_server_send_s)
+            jump = self._clocks[sensor].add(message, t_arrival_s)
             if jump:
-                self.notices.append(Notice(t_arrival_s, message.sensor, f"clock jumped by {jump:+.3f} s"))
+                self.notices.append(Notice(t_arrival_s, sensor, f"clock jumped by {jump:+.3f} s"))
             return []
         if message.persons is not None:
             self._look(t_arrival_s, message, message.persons)
@@ -138,8 +141,28 @@ class Server:
 
     def due(self, t_s: float) -> list[SyncRequest | ClientOrder]:
         """What is to be sent to the clients by ``t_s``: clock exchanges, and who watches."""
-        self.notices += [*self._active.choose(t_s), *self._roll_call.judge(t_s)]
+        self.notices += self._active.choose(t_s)
+        if self._roll_call.next_due_s <= t_s:
+            self.notices += self._roll_call.judge(t_s)
         out: list[SyncRequest | ClientOrder] = []
+        if self._sync_next_s <= t_s:
+            self._synchronise(t_s, out)
+        watching = self._active.watching(t_s)
+        if self._helpers or self._assistance.window(t_s):
+            self._helpers = self._helping(t_s)
+        if t_s >= self._order_due_s or watching != self._ordered[0] or self._helpers != self._ordered[1]:
+            out += [
+                ClientOrder(sensor, sensor in watching, self._durations(sensor) if sensor in watching else (),
+                            sensor in self._helpers)
+                for sensor in self._clocks
+            ]  # fmt: skip
+            self._order_due_s = t_s + ORDER_S
+            self._ordered = watching, self._helpers
+        self.next_due_s = min(self._order_due_s, self._roll_call.next_due_s, self._sync_next_s)
+        return out
+
+    def _synchronise(self, t_s: float, out: list[SyncRequest | ClientOrder]) -> None:
+        """Ask the clients whose turn it is what their clocks show."""
         for sensor, due_s in self._sync_due_s.items():
             if due_s <= t_s:
                 out.append(SyncRequest(sensor, t_s))
@@ -148,18 +171,7 @@ class Server:
                 exchanges.asked(t_s)
                 missed = int((t_s - due_s) / self._sync_s)
                 self._sync_due_s[sensor] = due_s + (missed + 1) * self._sync_s
-        watching = self._active.watching(t_s)
-        self._helpers = self._helping(t_s)
-        if t_s >= self._order_due_s or (watching, self._helpers) != self._ordered:
-            out += [
-                ClientOrder(sensor, sensor in watching, self._durations(sensor) if sensor in watching else (),
-                            sensor in self._helpers)
-                for sensor in self._clocks
-            ]  # fmt: skip
-            self._order_due_s = t_s + ORDER_S
-            self._ordered = watching, self._helpers
-        self.next_due_s = min(self._order_due_s, self._roll_call.next_due_s, *self._sync_due_s.values())
-        return out
+        self._sync_next_s = min(self._sync_due_s.values())
 
     def _look(self, t_arrival_s: float, status: ClientStatus, persons: Sequence[PersonStatus]) -> None:
         """Take in whom a client sees."""

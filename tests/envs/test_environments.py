@@ -224,7 +224,11 @@ class TestBadInput:
         [({"iteratoins": 2}, "did you mean 'iterations'"), ({"iterations": 0}, "iterations"),
          ({"sensors": {"rate": 3}}, "sensors.rate"), ({"method": "none"}, "humans|robot"), ({"step_hz": 0}, "step_hz"),
          ({"reward": {"timming": 1.0}}, "reward.timming"), ({"reward": {"drift": np.nan}}, "reward.drift"),
-         ({"layout": "rows", "group": 9}, "group")],
+         ({"layout": "rows", "group": 9}, "group"), ({"method": "tarantella"}, "tarantella"),
+         ({"method": "learned"}, "learned.policy"), ({"humans": "nobody"}, "nobody"), ({"width": 0}, "0 x 480"),
+         ({"height": "tall"}, "640 x tall"), ({"skip_rehearsal": "no"}, "skip_rehearsal"),
+         ({"reward": 3}, "reward = 3"),
+         ({"config": {"iterations": 3}}, "SessionConfig")],
     )  # fmt: skip
     def test_options_of_make(self, options, named):
         with pytest.raises(error.Error, match=named):
@@ -233,7 +237,8 @@ class TestBadInput:
     @pytest.mark.parametrize(
         ("options", "named"),
         [({"poeple": 3}, "poeple"), ({"people": "all"}, "seed"), ({"humans": "nobody"}, "nobody"),
-         ({"faults": [{"kind": "rain", "target": "robot"}]}, "rain"), ({"method": "tarantella"}, "tarantella")],
+         ({"faults": [{"kind": "rain", "target": "robot"}]}, "rain"), ({"method": "tarantella"}, "tarantella"),
+         (["people"], "mapping")],
     )  # fmt: skip
     def test_options_of_reset(self, options, named):
         with pytest.raises(error.Error, match=named):
@@ -252,8 +257,9 @@ class TestBadInput:
         with pytest.raises(error.ResetNeeded, match="over"):
             env.step(0)
         env.close()
-        with pytest.raises(error.ClosedEnvironmentError):
-            env.reset()
+        for call in (env.reset, lambda: env.step(0)):
+            with pytest.raises(error.ClosedEnvironmentError):
+                call()
 
 
 @pytest.mark.parametrize("context", ["spawn", "forkserver"])
