@@ -158,7 +158,7 @@ def test_a_hand_with_too_few_votes_stays_known_for_longer_but_not_elsewhere():
     for off_m, held_s in ((0.0, tracking.WEAK_S), (0.4, 0.0)):
         one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
         seen[left] = False
-        joints[left, 0] += off_m
+        joints[left, 1] += off_m
         for tick in range(20):
             counted = seen.copy()
             one.hold(joints, counted, ALL, DT_S)
