@@ -63,7 +63,7 @@ class Story:
 
     def after(self, seconds=0.0, until=None):
         self.session.time_s = self.session.time_s + seconds if until is None else until
-        info = self.scorer.update()
+        info = self.scorer.update(self.session.time_s)
         terms = self.scorer.terms.items()
         return {name.removeprefix("reward_"): value for name, value in terms if value}, info
 
