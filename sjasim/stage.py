@@ -127,6 +127,16 @@ def gather(
 
 
 @njit(cache=True)
+def _feel(sites: Array, where: IntArray, lifts: Array, lift: IntArray, joints: Array, load: Array) -> None:
+    """Copy what a frame is about: where joints are, (D, 25, 3), and what the floor carries, (D,)."""
+    for d in range(len(where)):
+        load[d] = lifts[lift[d]]
+        for j in range(where.shape[1]):
+            for k in range(3):
+                joints[d, j, k] = sites[where[d, j], k]
+
+
+@njit(cache=True)
 def command(targets: Array, where: IntArray, ctrl: Array) -> None:
     """Set the dancers' actuators: (D, 30) targets of the planned hinges, then of the tether; see `Stage.where`."""
     for d in range(len(where)):
@@ -197,6 +207,7 @@ class Stage:
         pelvis = np.array([m.body(f"{p}pelvis").id for p in prefixes])
         self._sites = np.array([[m.site(p + joint).id for joint in JOINTS] for p in prefixes])
         hinges, leading = self._body.hinges, self._body.leading
+        self._shape = (dancers, len(JOINTS), 3)
         self._hinges = np.array([[m.joint(p + name).qposadr[0] for name in hinges] for p in prefixes])
         self._root = np.array([[m.joint(p + name).qposadr[0] for name in ROOT_JOINTS] for p in prefixes])
         root_dof = np.array([[m.joint(p + name).dofadr[0] for name in ROOT_JOINTS] for p in prefixes])
@@ -302,13 +313,15 @@ class Stage:
         return DancerStates(rows)
 
     def feel(self) -> None:
-        """Take what the floor carries at this moment, for the states to come.
+        """Take what the floor carries at this moment, for the states to come, and where joints are.
 
         Forces at the balance controller's own ticks would be those of targets as old as they get; so somebody who is
         out of step with it asks. Only soles meet the floor: beside a brush with somebody else, all that holds a body
         up at its root is what its feet carry.
         """
-        self._lifts.take(self._lift, out=self._load, mode="clip")
+        joints = np.empty(self._shape)
+        _feel(self._site_xpos, self._sites, self._lifts, self._lift, joints, self._load)
+        self._keep(joints)
 
     def bend(self, joints: Array) -> None:
         """Set the hinge servos of bodies that are not `direct`, for targets (D, 25) of the planned hinges [rad]."""
@@ -329,10 +342,12 @@ class Stage:
     def joints_m(self) -> Array:
         """(D, 25, 3) true joint positions [m]."""
         if self._joints_tick != self.tick:
-            self._joints = self._site_xpos.take(self._sites, axis=0)
-            self._joints.flags.writeable = False
-            self._joints_tick = self.tick
+            self._keep(self._site_xpos[self._sites])
         return self._joints
+
+    def _keep(self, joints: Array) -> None:
+        joints.flags.writeable = False
+        self._joints, self._joints_tick = joints, self.tick
 
     @property
     def yaw_rad(self) -> Array:
