@@ -26,6 +26,7 @@ from .contacts import Contacts
 from .errors import SjasimError
 from .humans.anatomy import Anatomy
 from .humans.body import BodyModel, body_model
+from .memory import Memory, index_rows, indices, matrix, vector
 from .rays.hiding import shapes
 from .robot.body import robot_spec
 from .types import (
@@ -136,6 +137,18 @@ def command(targets: Array, where: IntArray, ctrl: Array) -> None:
                 ctrl[actuator] = targets[d, k]
 
 
+@njit(cache=True)
+def _look(joints: Array, feel: bool, at: IntArray) -> None:
+    """Write where the joints are (D, 25, 3) and, if asked, what lifts each dancer at its root; see `Stage.feel`."""
+    sites, which, lifts, lift, load = matrix(at, 0), index_rows(at, 1), vector(at, 2), indices(at, 3), vector(at, 4)
+    for d in range(len(which)):
+        for j in range(which.shape[1]):
+            for k in range(3):
+                joints[d, j, k] = sites[which[d, j], k]
+        if feel:
+            load[d] = lifts[lift[d]]
+
+
 class Stage:
     """Physics of one session. Sensors see it through the read-only part that `types.StageView` names.
 
@@ -173,8 +186,7 @@ class Stage:
         self.data = mujoco.MjData(self.model)
         self.ticks = Ticks(config.rate_hz)
         d = self.data  # its arrays stay where they are, and looking them up costs more than reading them
-        self._qpos, self._qvel, self.ctrl, self._site_xpos = d.qpos, d.qvel, d.ctrl, d.site_xpos
-        self._xpos, self._xmat, self._lifts = d.xpos, d.xmat, d.qfrc_constraint
+        self._qpos, self._qvel, self.ctrl, self._xpos, self._xmat = d.qpos, d.qvel, d.ctrl, d.xpos, d.xmat
         self._warning = d.warning[mujoco.mjtWarning.mjWARN_BADQACC]
         self._joints: Array = np.empty(0)
         self._joints_tick = -1
@@ -212,11 +224,13 @@ class Stage:
         servos = self._servo if self.direct else np.full((dancers, len(ACTUATED)), -1)
         self.where = np.hstack([body, self._root, root_dof, self._sites[:, _LOGGED], servos, wires]).astype(np.int64)
         masses = np.concatenate([m.body_mass, m.body_subtreemass[pelvis]])
-        self._lift, self._load = root_dof[:, 2].copy(), np.zeros(dancers)
+        self._load = np.zeros(dancers)
         d = self.data
+        sites, lifts = self._sites.astype(np.int64), root_dof[:, 2].astype(np.int64)
+        self._looks = Memory(d.site_xpos, sites, d.qfrc_constraint, lifts, self._load)
         self.felt = (
             d.subtree_com, d.cvel, d.xipos, d.qpos, d.qvel, d.site_xpos, d.actuator_force, self._load, masses,
-            m.body_parentid, np.zeros((m.nbody, 3)), self.where,
+            m.body_parentid.astype(np.int64), np.zeros((m.nbody, 3)), self.where,
         )  # fmt: skip
         owner = np.full(m.ngeom, -1, dtype=np.int64)
         names = [m.geom(geom).name for geom in range(m.ngeom)]
@@ -302,13 +316,19 @@ class Stage:
         return DancerStates(rows)
 
     def feel(self) -> None:
-        """Take what the floor carries at this moment, for the states to come.
+        """Take what the floor carries at this moment, for the states to come, and where the joints are.
 
         Forces at the balance controller's own ticks would be those of targets as old as they get; so somebody who is
         out of step with it asks. Only soles meet the floor: beside a brush with somebody else, all that holds a body
         up at its root is what its feet carry.
         """
-        self._lifts.take(self._lift, out=self._load, mode="clip")
+        self._look(feel=True)
+
+    def _look(self, *, feel: bool) -> None:
+        self._joints = np.empty((*self._sites.shape, 3))
+        _look(self._joints, feel, self._looks.table)
+        self._joints.flags.writeable = False
+        self._joints_tick = self.tick
 
     def bend(self, joints: Array) -> None:
         """Set the hinge servos of bodies that are not `direct`, for targets (D, 25) of the planned hinges [rad]."""
@@ -327,11 +347,9 @@ class Stage:
 
     @property
     def joints_m(self) -> Array:
-        """(D, 25, 3) true joint positions [m]."""
+        """(D, 25, 3) true joint positions, an array for each tick [m]."""
         if self._joints_tick != self.tick:
-            self._joints = self._site_xpos.take(self._sites, axis=0)
-            self._joints.flags.writeable = False
-            self._joints_tick = self.tick
+            self._look(feel=False)
         return self._joints
 
     @property

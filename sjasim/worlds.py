@@ -134,6 +134,7 @@ class PhysicsWorld:
         self._check_s = 0.0
         self._next_iteration = timetable.first
         self._begin_s = 0.0
+        self._faced, self._faced_until_s = CARDINALS[0], -math.inf
         self.plan()
 
     def _dance(self, config: SessionConfig, timetable: Timetable, layout: Layout, robot: bool) -> None:
@@ -225,7 +226,7 @@ class PhysicsWorld:
         self._outbox = []
         self._fire(stage.tick, now)
         turn = min(self._balance_task.due, self._frame_task.due, self._robot_task.due)
-        if stage.ticks.time_s(turn) > until_s:  # whatever rounding says, time goes on
+        if turn / stage.ticks.rate_hz > until_s:  # whatever rounding says, time goes on
             turn = min(turn, max(stage.ticks.at_or_after(until_s), stage.tick + 1))
         stage.step_to(turn)
         return self._outbox
@@ -274,9 +275,12 @@ class PhysicsWorld:
                 self.ledger.estimate(skeletons, self.sensing[name].dancers, self._mounts[name])
             if client.next_output_s <= now + ROUNDING_S:
                 self._outbox.extend(client.outputs(now))
-        faced = CARDINALS[self._timetable.faced(self._timetable.iteration_at(now))]
-        sensing = self.sensing[faced]
-        watched = self._clients[faced].watches(now)
+        if now > self._faced_until_s:
+            iteration = self._timetable.iteration_at(now)
+            self._faced = CARDINALS[self._timetable.faced(iteration)]
+            self._faced_until_s = self._timetable.close_s(iteration) if iteration < self._timetable.last else math.inf
+        sensing = self.sensing[self._faced]
+        watched = self._clients[self._faced].watches(now)
         self.ledger.see(self.stage.joints_m, sensing.visible if watched else None, sensing.dancers)
         for watch in self.watchers:
             watch(now)
