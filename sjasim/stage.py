@@ -138,15 +138,14 @@ def command(targets: Array, where: IntArray, ctrl: Array) -> None:
 
 
 @njit(cache=True)
-def _look(joints: Array, feel: bool, at: IntArray) -> None:
-    """Write where the joints are (D, 25, 3) and, if asked, what lifts each dancer at its root; see `Stage.feel`."""
-    sites, which, lifts, lift, load = matrix(at, 0), index_rows(at, 1), vector(at, 2), indices(at, 3), vector(at, 4)
-    for d in range(len(which)):
-        for j in range(which.shape[1]):
+def _feel(joints: Array, at: IntArray) -> None:
+    """Copy what a frame is about: where joints are, (D, 25, 3), and what the floor carries; ``at`` lists the arrays."""
+    sites, where, lifts, lift, load = matrix(at, 0), index_rows(at, 1), vector(at, 2), indices(at, 3), vector(at, 4)
+    for d in range(len(where)):
+        load[d] = lifts[lift[d]]
+        for j in range(where.shape[1]):
             for k in range(3):
-                joints[d, j, k] = sites[which[d, j], k]
-        if feel:
-            load[d] = lifts[lift[d]]
+                joints[d, j, k] = sites[where[d, j], k]
 
 
 class Stage:
@@ -209,6 +208,7 @@ class Stage:
         pelvis = np.array([m.body(f"{p}pelvis").id for p in prefixes])
         self._sites = np.array([[m.site(p + joint).id for joint in JOINTS] for p in prefixes])
         hinges, leading = self._body.hinges, self._body.leading
+        self._shape = (dancers, len(JOINTS), 3)
         self._hinges = np.array([[m.joint(p + name).qposadr[0] for name in hinges] for p in prefixes])
         self._root = np.array([[m.joint(p + name).qposadr[0] for name in ROOT_JOINTS] for p in prefixes])
         root_dof = np.array([[m.joint(p + name).dofadr[0] for name in ROOT_JOINTS] for p in prefixes])
@@ -316,19 +316,15 @@ class Stage:
         return DancerStates(rows)
 
     def feel(self) -> None:
-        """Take what the floor carries at this moment, for the states to come, and where the joints are.
+        """Take what the floor carries at this moment, for the states to come, and where joints are.
 
         Forces at the balance controller's own ticks would be those of targets as old as they get; so somebody who is
         out of step with it asks. Only soles meet the floor: beside a brush with somebody else, all that holds a body
         up at its root is what its feet carry.
         """
-        self._look(feel=True)
-
-    def _look(self, *, feel: bool) -> None:
-        self._joints = np.empty((*self._sites.shape, 3))
-        _look(self._joints, feel, self._looks.table)
-        self._joints.flags.writeable = False
-        self._joints_tick = self.tick
+        joints = np.empty(self._shape)
+        _feel(joints, self._looks.table)
+        self._keep(joints)
 
     def bend(self, joints: Array) -> None:
         """Set the hinge servos of bodies that are not `direct`, for targets (D, 25) of the planned hinges [rad]."""
@@ -349,8 +345,12 @@ class Stage:
     def joints_m(self) -> Array:
         """(D, 25, 3) true joint positions, an array for each tick [m]."""
         if self._joints_tick != self.tick:
-            self._look(feel=False)
+            self._keep(self.data.site_xpos[self._sites])
         return self._joints
+
+    def _keep(self, joints: Array) -> None:
+        joints.flags.writeable = False
+        self._joints, self._joints_tick = joints, self.tick
 
     @property
     def yaw_rad(self) -> Array:

@@ -134,7 +134,6 @@ class PhysicsWorld:
         self._check_s = 0.0
         self._next_iteration = timetable.first
         self._begin_s = 0.0
-        self._faced, self._faced_until_s = CARDINALS[0], -math.inf
         self.plan()
 
     def _dance(self, config: SessionConfig, timetable: Timetable, layout: Layout, robot: bool) -> None:
@@ -168,6 +167,8 @@ class PhysicsWorld:
         self.sensing: dict[str, Sensing] = {}
         self._mounts = {mount.name: mount for mount in layout.mounts}
         self._clients = {mount.name: self._client(config, layout, index) for index, mount in enumerate(layout.mounts)}
+        faced = {k: CARDINALS[self._timetable.faced(k)] for k in range(self._timetable.first, self._timetable.last + 1)}
+        self._faced = {k: (self._clients[name], self.sensing[name]) for k, name in faced.items()}
         self._balance_hz = config.stage.balance_hz
         self._balance_task = Task(ticks, self._balance_hz)
         self._frame_task = Task(ticks, config.sensors.rate_hz)
@@ -275,13 +276,8 @@ class PhysicsWorld:
                 self.ledger.estimate(skeletons, self.sensing[name].dancers, self._mounts[name])
             if client.next_output_s <= now + ROUNDING_S:
                 self._outbox.extend(client.outputs(now))
-        if now > self._faced_until_s:
-            iteration = self._timetable.iteration_at(now)
-            self._faced = CARDINALS[self._timetable.faced(iteration)]
-            self._faced_until_s = self._timetable.close_s(iteration) if iteration < self._timetable.last else math.inf
-        sensing = self.sensing[self._faced]
-        watched = self._clients[self._faced].watches(now)
-        self.ledger.see(self.stage.joints_m, sensing.visible if watched else None, sensing.dancers)
+        faced, sensing = self._faced[self._timetable.iteration_at(now)]
+        self.ledger.see(self.stage.joints_m, sensing.visible if faced.watches(now) else None, sensing.dancers)
         for watch in self.watchers:
             watch(now)
 

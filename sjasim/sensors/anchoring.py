@@ -119,7 +119,7 @@ def _anchor(
         j = anchored[a]
         moved = _moved(cells[a], known[a], predicted[j, 2], least)
         if not math.isnan(moved):
-            joints[j, 2] = predicted[j, 2] + shares[0] * moved
+            joints[j, 2] += shares[2] * (predicted[j, 2] + shares[0] * moved - joints[j, 2])
         ahead = joints[j, 2] - voted[j, 2]
         _learn(cells[a], known[a], joints[j, 2], 0.0 if math.isnan(ahead) else ahead, shares[1], interval_s)
 
@@ -136,8 +136,8 @@ def anchor(
         predicted: (25, 3) joints that the cells were gathered for [m].
         voted: (25, 3) where votes agree; NaN where they do not count [m].
         least: points that must agree.
-        shares: (2,) of the way to go from the predicted motion to the patches', and from what is remembered of the
-            patches to what the votes say.
+        shares: (3,) of the way to go from the predicted motion to the patches', from what is remembered of the
+            patches to what the votes say, and from the joint as it was found to where the patch puts it.
         interval_s: since the last frame.
         joints: (25, 3) joints of this frame, changed in place [m].
     """

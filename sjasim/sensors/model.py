@@ -1,4 +1,4 @@
-"""The trained skeleton model: two forests, thresholds and a posture regression, kept as one typed npz.
+"""The trained skeleton model: two forests, thresholds, a posture regression and postures, kept as one typed npz.
 
 Source: girshick2011, section 3 (leaves of a depth-difference forest vote for joint positions).
 """
@@ -22,7 +22,7 @@ from ..errors import SjasimError
 from ..types import Array
 from .forest import packed
 
-VERSION = 1
+VERSION = 2
 """Of the file's meaning; a file of another version is refused."""
 MILLI = 0.001
 SPREAD_M = 0.004
@@ -46,6 +46,7 @@ class Model:
         roots: (T,) first nodes of the trees.
         joint: (L, K) joints that a leaf votes for.
         offset: (L, K, 3) from the pixel's point forward, up and to the left in the person's frame [mm].
+        view: (L, K, 2) what the offset has besides, whatever the yaw: to the sensor's left and away from it [mm].
         spread: (L, K) standard deviation of the offset, smallest first [4 mm].
         yaw_feature: (M,) the same for the forest of yaws.
         yaw_threshold: (M,) the same.
@@ -55,6 +56,7 @@ class Model:
         yaw_vote: (V, 2) mean cosine and sine in a leaf [1/127].
         support: (25,) weight of votes from which a joint is tracked.
         posture: (R, 75) regression of all joints from those tracked, see `posture`.
+        memory: (N, 75) postures, each less the mean one [m].
         mean: (25, 3) mean posture: forward, up from the floor, left of SpineBase [m].
         info: JSON: version, seed, config, and the hash of all other arrays.
     """
@@ -67,6 +69,7 @@ class Model:
     roots: NDArray[np.int16]
     joint: NDArray[np.int8]
     offset: NDArray[np.int16]
+    view: NDArray[np.int16]
     spread: NDArray[np.uint8]
     yaw_feature: NDArray[np.uint8]
     yaw_threshold: NDArray[np.float16]
@@ -76,6 +79,7 @@ class Model:
     yaw_vote: NDArray[np.int8]
     support: NDArray[np.float32]
     posture: NDArray[np.float16]
+    memory: NDArray[np.float16]
     mean: NDArray[np.float16]
     info: str
 
@@ -102,9 +106,10 @@ class Model:
 
 _DTYPES: dict[str, type] = {
     "probes": np.float16, "feature": np.uint8, "threshold": np.float16, "left": np.int16, "right": np.int16,
-    "roots": np.int16, "joint": np.int8, "offset": np.int16, "spread": np.uint8, "yaw_feature": np.uint8,
-    "yaw_threshold": np.float16, "yaw_left": np.int16, "yaw_right": np.int16, "yaw_roots": np.int16,
-    "yaw_vote": np.int8, "support": np.float32, "posture": np.float16, "mean": np.float16,
+    "roots": np.int16, "joint": np.int8, "offset": np.int16, "view": np.int16, "spread": np.uint8,
+    "yaw_feature": np.uint8, "yaw_threshold": np.float16, "yaw_left": np.int16, "yaw_right": np.int16,
+    "yaw_roots": np.int16, "yaw_vote": np.int8, "support": np.float32, "posture": np.float16,
+    "memory": np.float16, "mean": np.float16,
 }  # fmt: skip
 assert [field.name for field in fields(Model)] == [*_DTYPES, "info"]
 
@@ -154,12 +159,14 @@ class Unpacked:
     Attributes:
         nodes: (N, 8) of the forest that votes for joints, see `forest.descend`.
         roots: (T,) its first nodes.
-        votes: (L, K, 5) of its leaves, the surest first: offset forward, up and to the left [mm], spread [4 mm], joint.
+        votes: (L, K, 7) of its leaves, the surest first: offset forward, up and to the left, and to the sensor's left
+            and away from it [mm], spread [4 mm], joint.
         yaw_nodes: (M, 8) of the forest that votes for the yaw.
         yaw_roots: (S,) its first nodes.
         yaw_vote: (V, 2) cosine and sine.
         support: (25,) threshold of a tracked joint.
         posture: (R, 75) regression.
+        memory: (N, 75) postures, each less the mean one [m].
         mean: (25, 3) mean posture [m].
     """
 
@@ -171,6 +178,7 @@ class Unpacked:
     yaw_vote: NDArray[np.float32]
     support: Array
     posture: Array
+    memory: Array
     mean: Array
 
 
@@ -179,8 +187,8 @@ def unpacked(model: Model) -> Unpacked:
     m = model
     nodes, roots = packed(m.probes, m.feature, m.threshold, m.left, m.right, m.roots)
     yaw_nodes, yaw_roots = packed(m.probes, m.yaw_feature, m.yaw_threshold, m.yaw_left, m.yaw_right, m.yaw_roots)
-    votes = np.concatenate([m.offset, m.spread[..., None], m.joint[..., None]], axis=2, dtype=np.int16)
+    votes = np.concatenate([m.offset, m.view, m.spread[..., None], m.joint[..., None]], axis=2, dtype=np.int16)
     return Unpacked(
         nodes, roots, votes, yaw_nodes, yaw_roots, m.yaw_vote.astype(np.float32) / np.float32(127),
-        m.support.astype(float), m.posture.astype(float), m.mean.astype(float),
+        m.support.astype(float), m.posture.astype(float), m.memory.astype(float), m.mean.astype(float),
     )  # fmt: skip

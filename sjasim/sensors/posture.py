@@ -1,7 +1,9 @@
 """A person's posture as a whole: from the joints that are seen to those that are not, and the heading.
 
 A linear regression in the person's own frame, over the person's scale, tells where hidden joints most likely are;
-which ones are seen is part of its input.
+which ones are seen is part of its input. Limbs are hidden where remembered postures have them whose other joints are
+like those seen: an arm before the trunk claps and has the other one beside it, or walks and has it behind, which no
+line goes through.
 """
 
 from __future__ import annotations
@@ -24,6 +26,10 @@ TRUNK = np.array(
 _PAIRS = np.array([[JOINT_INDEX[f"{name}Left"], JOINT_INDEX[f"{name}Right"]] for name in ("Shoulder", "Hip")])
 _JOINTS = len(JOINTS)
 FEATURES = 4 * _JOINTS + 4
+_LIMBS = np.array([j for j in range(_JOINTS) if j not in TRUNK and j != JOINT_INDEX["Head"]])
+RECALL_M, LEAST_SEEN = 0.08, 6
+"""How unlike a remembered posture, the root of all joints' squared distances, still counts beside the most alike one,
+and from how many joints on postures are compared (assumed)."""
 
 
 def towards_body(points: Array, yaw_rad: float) -> Array:
@@ -94,15 +100,45 @@ def features(
 
 
 @njit(cache=True)
+def recall(row: Array, seen: Seen, memory: Array, body: Array) -> None:
+    """Put the limbs' hidden joints where like postures have them: their mean, weighted by a normal kernel.
+
+    Args:
+        row: (104,) from `features`.
+        seen: (25,) which joints are.
+        memory: (N, 75) postures over the scale, less their mean.
+        body: (75,) the posture, changed in place.
+    """
+    if seen.all() or seen.sum() < LEAST_SEEN:
+        return
+    unlike = np.zeros(len(memory))
+    for n in range(len(memory)):
+        for j in range(_JOINTS):
+            if seen[j]:
+                for c in range(3 * j, 3 * j + 3):
+                    unlike[n] += (memory[n, c] - row[c]) ** 2
+    weight = np.exp((unlike.min() - unlike) / (2.0 * RECALL_M * RECALL_M))
+    weight /= weight.sum()
+    for j in _LIMBS:
+        if not seen[j]:
+            for c in range(3 * j, 3 * j + 3):
+                body[c] = 0.0
+                for n in range(len(memory)):
+                    body[c] += weight[n] * memory[n, c]
+
+
+@njit(cache=True)
 def likely(
-    joints: Array, seen: Seen, weights: Array, mean: Array, yaw_rad: float, scale: float, width: float, out: Array
-) -> bool:
+    joints: Array, seen: Seen, weights: Array, memory: Array, mean: Array, yaw_rad: float, scale: float, width: float,
+    out: Array,
+) -> bool:  # fmt: skip
     """Write where all joints most likely are, by those that are seen.
 
     Args:
         joints: as in `features`, and so on.
         seen: as there.
         weights: (104, 75) of the regression.
+        memory: as in `recall`.
         mean: as there.
         yaw_rad: as there.
         scale: as there.
@@ -119,6 +155,7 @@ def likely(
         if row[k] != 0.0:
             for c in range(3 * _JOINTS):
                 body[c] += row[k] * weights[k, c]
+    recall(row, seen, memory, body)
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
     for j in range(_JOINTS):
         forward, up = scale * (body[3 * j] + mean[j, 0]), scale * (body[3 * j + 1] + mean[j, 1])

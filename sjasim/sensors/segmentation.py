@@ -33,6 +33,8 @@ LONELY_M, STRANGE_M = 0.45, 0.40
 """Farther than the first from the trunk a point must be nearer than the second to one of the joints (assumed)."""
 OBJECT_M = 0.30
 """A low object's points are within this distance of its middle (assumed)."""
+CROWN_M2 = 0.002
+"""The crown's height is that above which a person shows so much surface: the same of a head from any side (assumed)."""
 NOBODY, OBJECT = -1, -2
 """Owners that are no person: nothing known, and a low object such as a robot."""
 
@@ -172,7 +174,9 @@ def _quantile(histogram: NDArray[np.int32], share_below: float) -> float:
 
 
 @njit(cache=True)
-def _measure(count: int, point: Points, owner: Owners, places: Array, scales: Array, out: Array) -> None:
+def _measure(
+    count: int, point: Points, owner: Owners, places: Array, scales: Array, per_pixel: float, out: Array
+) -> None:
     across = np.zeros((len(places), 200), np.int32)
     away = np.zeros((len(places), 200), np.int32)
     chest = np.zeros((len(places), 200), np.int32)
@@ -203,24 +207,26 @@ def _measure(count: int, point: Points, owner: Owners, places: Array, scales: Ar
             continue
         out[k, 1] = places[k, 0] + (_quantile(across[k], 0.5) - 100.0) * _BIN_M
         out[k, 2] = places[k, 1] + (_quantile(away[k], 0.5) - 100.0) * _BIN_M
-        out[k, 3] = _quantile(up[k], 0.99) * _BIN_M
+        above = CROWN_M2 / (per_pixel * out[k, 2] ** 2 * up[k].sum())
+        out[k, 3] = _quantile(up[k], 1.0 - min(above, 0.5)) * _BIN_M
         out[k, 4] = (_quantile(chest[k], 0.9) - _quantile(chest[k], 0.1)) * _BIN_M
 
 
-def measured(scene: Foreground, places: Array, scales: Array) -> Array:
+def measured(scene: Foreground, places: Array, scales: Array, per_pixel: float) -> Array:
     """What the pixels of each person say as a whole.
 
     Args:
         scene: with owners.
         places: (P, 2) predicted x and z of the trunks [m].
         scales: (P,) stature over 1.75 m.
+        per_pixel: surface that a pixel shows at 1 m [m^2].
 
     Returns:
         (P, 5) number of points, median x and z of the trunk's surface, height of the crown, width of the chest [m].
     """
     out = np.zeros((len(places), 5))
     if len(places):
-        _measure(scene.count, scene.point, scene.owner, places, scales, out)
+        _measure(scene.count, scene.point, scene.owner, places, scales, per_pixel, out)
     return out
 
 

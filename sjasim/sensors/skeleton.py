@@ -28,6 +28,8 @@ VOTING, TURNING = 320, 90
 """Points of a person that vote for joints and for the yaw."""
 LEAST_M2 = 0.02
 """Surface of a person that must be seen (assumed)."""
+SURE_M2 = 0.2
+"""Surface from which on the forest's yaw counts in full: a head behind a shoulder may look anywhere (assumed)."""
 STRANGER_M2 = 0.04
 """The same at the height of the trunk for somebody new (assumed)."""
 OBJECT_M2 = 0.01
@@ -155,15 +157,18 @@ class SkeletonEstimator:
             return
         places = np.array([person.place for person in persons])
         known = np.array([person.scale or 1.0 for person in persons])
-        body = segmentation.measured(self._scene, places, known)
+        body = segmentation.measured(self._scene, places, known, self._per_pixel)
         for person, (count, _, _, crown, width) in zip(persons, body, strict=True):
             if count:
                 person.grow(float(crown), float(width), interval_s)
         scales = np.array([person.scale or 1.0 for person in persons])
         rows = person_rows(body, scales, np.zeros(len(persons)))
+        pixel_m2 = self._per_pixel * places[:, 1] ** 2
+        surface = body[:, 0] * pixel_m2
         turned = yaw_votes(self._scene, self._model, shares(body[:, 0], TURNING), fx, rows)
-        for person, votes, row in zip(persons, turned, rows, strict=True):
-            person.turn(votes, interval_s)
+        sure = np.minimum(surface / SURE_M2, 1.0) ** 2
+        for person, votes, row, share in zip(persons, turned, rows, sure, strict=True):
+            person.turn(votes, interval_s * share)
             row[:2] = person.steady(row[:2], interval_s)
             person.width += 0.1 * (float(row[2]) - person.width)
             row[2], row[4], row[5] = person.width, math.cos(person.yaw_rad), math.sin(person.yaw_rad)
@@ -172,14 +177,13 @@ class SkeletonEstimator:
         joints, support = self._votes.joints(self._scene, taken, fx, rows, prior)
         _join_hands(joints, support)
         cells = anchoring.gathered(self._scene, prior, scales)
-        pixel_m2 = self._per_pixel * places[:, 1] ** 2
         for k, person in enumerate(persons):
-            if body[k, 0] * pixel_m2[k] < LEAST_M2 or self._half_out(*body[k, 1:3]):
+            if surface[k] < LEAST_M2 or self._half_out(*body[k, 1:3]):
                 person.lose(interval_s)
                 continue
             seen = (support[k] > self._model.support) & np.isfinite(joints[k, :, 0])
             person.hold(joints[k], seen, interval_s)
-            person.see(joints[k], seen, self._model.posture, self._model.mean, interval_s)
+            person.see(joints[k], seen, self._model, interval_s)
             voted = np.where(seen[:, None], joints[k], np.nan)
             person.anchor(cells[k], prior[k], voted, anchoring.LEAST_M2 / pixel_m2[k], interval_s)
 

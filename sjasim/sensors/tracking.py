@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array
 from . import anchoring, posture
+from .model import Unpacked
 
 CONFIRM_FRAMES = 3
 """Frames in which somebody must have been seen before there is a person."""
@@ -27,7 +28,7 @@ REACH_M, REACH_M_S = 0.5, 1.0
 """How far from where they were lost somebody is looked for, and how that grows (assumed)."""
 SAME_M = 0.30
 """Two persons cannot stand closer than this; the younger is a mistake (assumed)."""
-RELAX_S = 0.30
+RELAX_S = 0.10
 """Time constant with which a hidden joint goes where the rest of the posture says (assumed)."""
 SETTLE_TRUNK_S, SETTLE_LIMB_S = 0.40, 0.07
 """Time constants with which a joint that comes back into sight goes where it is seen: a trunk that jumped would look
@@ -50,6 +51,9 @@ COMMON_S = 0.08
 OWN_MOTION_S, SPIN_S, SPIN_RAD_S = 0.40, 0.15, 0.4
 """Time constant with which a joint of the trunk leaves the motion that all of the trunk has in common, which shakes
 less than each: shorter the faster the person turns, by a rate smoothed with the second (assumed)."""
+FRONTAL = (0.70, 0.90)
+"""Cosines of the yaw from which on the trunk's surface says anything of its motion along the view, and all: what a
+sensor sees at the side are arms that swing and flanks that pass (assumed)."""
 ANCHOR_S = 0.03
 """Time constant with which a joint leaves its predicted motion for its patch's (assumed)."""
 LEARN_S, LEARN_SPIN_RAD_S = 1.5, 0.4
@@ -57,10 +61,14 @@ LEARN_S, LEARN_SPIN_RAD_S = 1.5, 0.4
 (assumed)."""
 TOUCH_M, CLASP_S = 0.16, 0.4
 """Hands that were seen closer than this hide each other, and are known for so long all the same (assumed)."""
+MEET_M, CLOSING = 0.22, 0.7
+"""Tracked hands so near are about to touch; of what lies between them so much is left a frame later (assumed)."""
 HOLD_S, HOLD_M = 0.08, 0.15
 """A joint that was tracked is for so long without support, while it is found this near to its prediction (assumed)."""
-CROWN = 0.965
-"""Height of the crown over stature, as pixels show it standing."""
+LEAP_S, LEAP_M = 0.12, 0.25
+"""A joint that leaps farther than this in a frame is not believed for so long (assumed)."""
+CROWN = 0.959
+"""Height of the crown over stature, as its pixels show it in a dance (measured on dances of unknown builds)."""
 STATURE_M = (1.35, 2.10)
 """Statures that are believed."""
 RISE_S, SINK_S, HIDDEN_SHARE = 0.3, 4.0, 0.93
@@ -96,13 +104,23 @@ def _hold(
     joints: Array, before: Array, state: NDArray[np.int8], interval_s: float, unseen_s: Array, seen: posture.Seen
 ) -> None:
     """See `Person.hold`; ``before`` are the joints as predicted."""
-    limit_s = np.full(len(seen), HOLD_S)
+    limit_s, twin = np.full(len(seen), HOLD_S), np.full(len(seen), -1)
     for left, right in HANDS:
-        if near(joints[left], joints[right], TOUCH_M):
+        known = state[left] == state[right] == TRACKED
+        if near(joints[left], joints[right], TOUCH_M) or (known and near(before[left], before[right], MEET_M)):
             limit_s[left] = limit_s[right] = CLASP_S
+            twin[left], twin[right] = right, left
     for j in range(len(seen)):
+        if seen[j] and unseen_s[j] < LEAP_S and state[j] != NOT_TRACKED and not near(joints[j], before[j], LEAP_M):
+            seen[j] = False
         unseen_s[j] = 0.0 if seen[j] else unseen_s[j] + interval_s
-        if state[j] == TRACKED and unseen_s[j] < limit_s[j] and near(joints[j], before[j], HOLD_M):
+    for j in range(len(seen)):
+        if seen[j] or state[j] != TRACKED or unseen_s[j] >= limit_s[j]:
+            continue
+        if near(joints[j], before[j], HOLD_M):
+            seen[j] = True
+        elif twin[j] >= 0 and unseen_s[twin[j]] == 0.0:
+            joints[j] = joints[twin[j]] + CLOSING * (before[j] - before[twin[j]])
             seen[j] = True
 
 
@@ -250,9 +268,11 @@ class Person:
         self.state = np.where(np.isnan(self.joints[:, 0]), NOT_TRACKED, state).astype(np.int8)
 
     def hold(self, joints: Array, seen: posture.Seen, interval_s: float) -> None:
-        """Count joints as seen that lack support for a moment only, and hands that touch for longer.
+        """Count joints as seen that lack support for a moment only, and hands that touch for longer; none that leaps.
 
-        Hands that touch hide each other's surface, and neither goes far.
+        Hands that touch hide each other's surface, and neither goes far: one that is not found is beside the other.
+        What was here a moment ago and is found somewhere else altogether is not there, but hidden, and something
+        else looks like it.
 
         Args:
             joints: (25, 3) where votes agree.
@@ -261,21 +281,21 @@ class Person:
         """
         _hold(joints, self.joints, self.state, interval_s, self.unseen_s, seen)
 
-    def see(self, joints: Array, seen: NDArray[np.bool_], weights: Array, mean: Array, interval_s: float) -> None:
+    def see(self, joints: Array, seen: posture.Seen, model: Unpacked, interval_s: float) -> None:
         """Take in a frame's joints.
 
         Args:
             joints: (25, 3) where votes agree, NaN where there are none.
             seen: (25,) which of them are supported.
-            weights: (104, 75) of the posture's regression.
-            mean: (25, 3) mean posture.
+            model: its regression and memory of postures count.
             interval_s: since the last frame.
         """
         before_rad = self.facing_rad
         self._face(posture.heading(joints, seen), interval_s)
         self._spin(before_rad, interval_s)
         likely = np.empty_like(joints)
-        if not posture.likely(joints, seen, weights, mean, self.yaw_rad, self.scale, self.width, likely):
+        known = model.posture, model.memory, model.mean
+        if not posture.likely(joints, seen, *known, self.yaw_rad, self.scale, self.width, likely):
             self.lose(interval_s)
             return
         own = blend(interval_s, OWN_MOTION_S / (1.0 + (self.spin / SPIN_RAD_S) ** 2))
@@ -294,7 +314,9 @@ class Person:
             interval_s: since the last frame.
         """
         learn_s = LEARN_S / (1.0 + (self.spin / LEARN_SPIN_RAD_S) ** 2)
-        shares = np.array([blend(interval_s, ANCHOR_S), blend(interval_s, learn_s)])
+        frontal = (abs(math.cos(self.yaw_rad)) - FRONTAL[0]) / (FRONTAL[1] - FRONTAL[0])
+        counts = min(max(frontal, 0.0), 1.0)
+        shares = np.array([blend(interval_s, ANCHOR_S), blend(interval_s, learn_s), counts])
         anchoring.anchor(cells, self.patches, predicted, voted, least, shares, interval_s, self.joints)
 
     def _face(self, yaw_rad: float, interval_s: float) -> None:

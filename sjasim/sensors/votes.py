@@ -128,7 +128,7 @@ def _cast_votes(
         for node in at:
             leaf = votes[np.uint32(nodes[node, LEAF])]
             for q in range(len(leaf)):
-                ahead, up, left, wide, j = leaf[q]
+                ahead, up, left, aside, beyond, wide, j = leaf[q]
                 if wide >= _LOOSE:
                     break
                 row = k * len(JOINTS) + j
@@ -138,9 +138,9 @@ def _cast_votes(
                 many[row] = n + 1
                 to, sums = cast[row, n], first[row]
                 weight = surface * _WEIGHTS[wide]
-                to[X] = x - sin * ahead - cos * left
+                to[X] = x - sin * ahead - cos * left + size * aside
                 to[Y] = y + size * up
-                to[Z] = z - cos * ahead + sin * left
+                to[Z] = z - cos * ahead + sin * left + size * beyond
                 to[WEIGHT] = weight
                 to[SURE] = weight if wide < _SURE else np.float32(0.0)
                 if wide < _FIRST:

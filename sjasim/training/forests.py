@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,15 +14,23 @@ from numpy.typing import NDArray
 from ..clock import stream
 from ..errors import SjasimError
 from ..sensors.forest import EXTRAS, YAW_EXTRAS
-from ..sensors.model import MILLI
+from ..sensors.model import MILLI, SPREAD_M
+from ..sensors.votes import LOOSE_M
+from ..types import Array
 from .samples import Samples
 
 VOTES = 6
 """Joints that a leaf votes for."""
+QUARTERS = 4
+"""Sectors of yaw whose pixels the joints' forest tells apart."""
 YAW_PIXELS, SECTORS = 110_000, 36
 """Pixels that the yaws' forest is grown on, and sectors of yaw that all weigh the same in it."""
 MOST_SPREAD_M = 0.5
-"""An offset farther off its leaf's median counts as this far."""
+"""An offset farther off its leaf's middle counts as this far."""
+OUTLIER_M, ROUNDS = 0.12, 3
+"""An offset so far off its leaf's middle counts half in it; and how often the middle is found anew (assumed)."""
+VIEW_PRIOR, MOST_VIEW_M = 20.0, 0.5
+"""Pixels whose worth of belief the part of an offset that does not turn starts from 0 with, and its limit (assumed)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +48,7 @@ class Growth:
     """
 
     trees: int = 3
-    leaves: int = 3000
+    leaves: int = 3300
     yaw_trees: int = 2
     yaw_leaves: int = 1500
     tried: int = 30
@@ -80,13 +90,23 @@ def draw_probes(count: int, seed: int) -> NDArray[np.float16]:
 
 
 def grow(samples: Samples, growth: Growth, seed: int) -> Grown:
-    """Grow the joints' forest: nodes separate pixels of different joints."""
-    ensemble = _library().RandomForestClassifier(
-        growth.trees, criterion="entropy", max_leaf_nodes=growth.leaves, min_samples_leaf=10,
-        max_features=growth.tried, max_samples=growth.share, n_jobs=growth.jobs, random_state=seed,
-    )  # fmt: skip
-    ensemble.fit(samples.features, samples.joint)
-    return _unravel(ensemble, samples.features)
+    """Grow the joints' forest: nodes separate pixels of different joints, and of persons who stand differently.
+
+    What a pixel of the trunk says depends on which way the person stands; every tree draws the borders between
+    quarters of yaw elsewhere, so that none is a border of all.
+    """
+    yaw = np.arctan2(samples.features[:, -1], samples.features[:, -2])
+
+    def one(tree: int) -> Any:
+        quarter = np.floor(QUARTERS * yaw / math.tau + tree / growth.trees).astype(np.int64) % QUARTERS
+        alone = _library().RandomForestClassifier(
+            1, criterion="entropy", max_leaf_nodes=growth.leaves, min_samples_leaf=10, max_features=growth.tried,
+            max_samples=growth.share, random_state=seed + tree,
+        )  # fmt: skip
+        return alone.fit(samples.features, QUARTERS * samples.joint + quarter).estimators_[0]
+
+    with ThreadPoolExecutor(growth.jobs) as pool:
+        return _unravel(list(pool.map(one, range(growth.trees))), samples.features)
 
 
 def grow_yaw(samples: Samples, growth: Growth, seed: int) -> tuple[Grown, NDArray[np.int8]]:
@@ -101,7 +121,7 @@ def grow_yaw(samples: Samples, growth: Growth, seed: int) -> tuple[Grown, NDArra
         max_samples=growth.share, n_jobs=growth.jobs, random_state=seed,
     )  # fmt: skip
     ensemble.fit(features, goal, sample_weight=weight / weight.mean())
-    grown = _unravel(ensemble, features)
+    grown = _unravel(ensemble.estimators_, features)
     votes = np.zeros((grown.leaves, 2))
     for leaf in grown.leaf:
         members = np.bincount(leaf, weight, grown.leaves)
@@ -110,11 +130,22 @@ def grow_yaw(samples: Samples, growth: Growth, seed: int) -> tuple[Grown, NDArra
     return grown, np.rint(127 * votes).astype(np.int8)
 
 
-def leaf_votes(samples: Samples, grown: Grown) -> tuple[NDArray[np.int8], NDArray[np.int16], NDArray[np.uint8]]:
-    """What each leaf of the joints' forest says: its surest joints, their median offsets and spreads."""
-    joint = np.zeros((grown.leaves, VOTES), np.int8)
-    offset = np.zeros((grown.leaves, VOTES, 3), np.int16)
-    spread = np.full((grown.leaves, VOTES), 255, np.uint8)
+@dataclass(frozen=True, slots=True)
+class Said:
+    """What the leaves of the joints' forest say, the surest first; fields as in `sensors.model.Model`."""
+
+    joint: NDArray[np.int8]
+    offset: NDArray[np.int16]
+    view: NDArray[np.int16]
+    spread: NDArray[np.uint8]
+
+
+def leaf_votes(samples: Samples, grown: Grown) -> Said:
+    """What each leaf says: its surest joints, their offsets and spreads; none that nobody would listen to."""
+    shape = (grown.leaves, VOTES)
+    joint, spread = np.zeros(shape, np.int8), np.full(shape, 255, np.uint8)
+    offset, view = np.zeros((*shape, 3), np.int16), np.zeros((*shape, 2), np.int16)
+    turned = samples.features[:, -2:].astype(np.float32)
     for leaf in grown.leaf:
         order = np.argsort(leaf, kind="stable")
         ends = (np.flatnonzero(np.diff(leaf[order], append=-1)) + 1).tolist()
@@ -122,22 +153,55 @@ def leaf_votes(samples: Samples, grown: Grown) -> tuple[NDArray[np.int8], NDArra
         for end in ends:
             members = order[begin:end]
             begin, row = end, leaf[members[0]]
-            away = samples.offset[members].astype(np.float32)
-            middle = np.median(away, axis=0)
-            off = np.minimum(((away - middle) ** 2).sum(axis=2), MOST_SPREAD_M**2)
-            wide = np.sqrt(off.mean(axis=0))
+            middle, wide = settle(samples.offset[members].astype(np.float32), turned[members])
             best = np.argsort(wide)[:VOTES]
-            joint[row], offset[row] = best, np.rint(middle[best] / MILLI)
-            spread[row] = np.minimum(np.rint(wide[best] / (4 * MILLI)), 255)
-    return joint, offset, spread
+            best = best[wide[best] < LOOSE_M]
+            joint[row, : len(best)] = best
+            offset[row, : len(best)] = np.rint(middle[best, :3] / MILLI)
+            view[row, : len(best)] = np.rint(np.clip(middle[best, 3:], -MOST_VIEW_M, MOST_VIEW_M) / MILLI)
+            spread[row, : len(best)] = np.minimum(np.rint(wide[best] / SPREAD_M), 255)
+    return Said(joint, offset, view, spread)
 
 
-def _unravel(ensemble: Any, features: NDArray[np.float32]) -> Grown:
+def settle(away: NDArray[np.float32], turned: NDArray[np.float32]) -> tuple[Array, Array]:
+    """One leaf's offset to every joint: a part that turns with the person, and one that does not.
+
+    A joint lies behind the surface that shows it, whichever way the person stands: a leaf that sees bellies and
+    backs would, turning all offsets with the person, put the spine into the skin of either. Least squares, with less
+    weight for what is far off; without yaws that differ, all of it turns.
+
+    Args:
+        away: (M, J, 3) from the leaf's pixels forward, up, left, over the scale [m].
+        turned: (M, 2) cosine and sine of the yaws that these were turned by.
+
+    Returns:
+        (J, 5) offset forward, up, left, and to the sensor's left and away from it [m], and (J,) the offset's
+        standard deviation, outliers cut [m].
+    """
+    cos, sin = turned.T
+    one, none = np.ones_like(cos), np.zeros_like(cos)
+    rows = np.stack([np.stack([one, none, -sin, -cos], axis=1), np.stack([none, one, -cos, sin], axis=1)], axis=1)
+    squares = np.einsum("mip,miq->mpq", rows, rows).reshape(len(away), 16)
+    flat, up = away[..., [0, 2]], away[..., 1]
+    off = ((away - np.median(away, axis=0)) ** 2).sum(axis=2)
+    for _ in range(ROUNDS):
+        weight = 1.0 / (1.0 + off / OUTLIER_M**2)
+        normal = (weight.T @ squares).reshape(-1, 4, 4) + np.diag([1e-3, 1e-3, VIEW_PRIOR, VIEW_PRIOR])
+        pulled = np.stack([np.einsum("mp,mj,mj->jp", rows[:, i], weight, flat[..., i], optimize=True) for i in (0, 1)])
+        plane = np.linalg.solve(normal, pulled.sum(axis=0)[..., None])[..., 0]
+        height = (weight * up).sum(axis=0) / weight.sum(axis=0)
+        told = np.stack([rows[:, i] @ plane.T for i in (0, 1)], axis=2)
+        off = ((flat - told) ** 2).sum(axis=2) + (up - height) ** 2
+    wide = np.sqrt(np.minimum(off, MOST_SPREAD_M**2).mean(axis=0))
+    return np.column_stack([plane[:, 0], height, plane[:, 1:]]), np.asarray(wide)
+
+
+def _unravel(estimators: Sequence[Any], features: NDArray[np.float32]) -> Grown:
     """All trees' nodes in one row, leaves numbered through."""
     parts: list[tuple[NDArray[Any], ...]] = []
     roots, leaf_of = [], []
     base, leaves = 0, 0
-    for estimator in ensemble.estimators_:
+    for estimator in estimators:
         tree = estimator.tree_
         ends = tree.children_left < 0
         number = np.cumsum(ends) + (leaves - 1)

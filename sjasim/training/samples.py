@@ -93,7 +93,8 @@ class Watcher:
         loose = rng.random(len(joints)) < LOOSE
         yaw = scene.yaw_rad + np.where(loose, YAW_LOOSE_RAD, YAW_RAD) * rng.standard_normal(len(joints))
         scales = unit_scale(scene.stature_m) * (1.0 + SCALE * rng.standard_normal(len(joints)))
-        body = segmentation.measured(self._scene, places, scales)
+        per_pixel = 1.0 / (self.intrinsics.fx * self.intrinsics.fy)
+        body = segmentation.measured(self._scene, places, scales, per_pixel)
         return Seen(self._scene, owner, joints, scene.yaw_rad, person_rows(body, scales, yaw), body[:, 0], prior)
 
 

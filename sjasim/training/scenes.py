@@ -19,7 +19,7 @@ from ..humans.anatomy import Anatomy, Build, anatomy
 from ..humans.motion import Planner
 from ..humans.reference import Reference
 from ..stage import Stage
-from ..types import Array, Cue, Geoms, Move
+from ..types import Array, BoolArray, Cue, Geoms, Move
 
 STATURE_M, MASS_KG = (1.50, 1.95), (50.0, 100.0)
 RATE_HZ, PLAN_S = 30, 16.0
@@ -43,12 +43,14 @@ class Scene:
         joints_m: (D, 25, 3) true joints in the world [m].
         yaw_rad: (D,) headings relative to facing the sensor.
         stature_m: (D,) of the dancers.
+        danced: (D,) whether the posture is one of the dance: no arm was put elsewhere.
     """
 
     geoms: Geoms
     joints_m: Array
     yaw_rad: Array
     stature_m: Array
+    danced: BoolArray
 
 
 def random_build(rng: np.random.Generator) -> Build:
@@ -118,13 +120,14 @@ class Cast:
         rng, group = self._rng, len(self._bodies)
         spots = _spots(rng, group + 1)
         yaw = np.array([_yaw(rng) for _ in range(group)])
-        joints, roots = np.zeros((group, 25)), np.zeros((group, 6))
+        joints, roots, danced = np.zeros((group, 25)), np.zeros((group, 6)), np.ones(group, dtype=bool)
         for index, plan in enumerate(self._plans):
             tick = self._tick(index)
             joints[index] = plan.joints[tick] + SLACK_RAD * rng.standard_normal(25)
             if rng.random() < 0.25:
                 side = slice(0, 3) if rng.random() < 0.5 else slice(3, 6)
                 joints[index, _ARMS[side]] = rng.uniform(_ARM_LOW[side], _ARM_HIGH[side])
+                danced[index] = False
             joints[index, _NECK] += 0.2 * rng.standard_normal()
             x, z = spots[index]
             roots[index, :3] = x, self.mount.position[1] - z, plan.pelvis[tick, 2]
@@ -132,7 +135,7 @@ class Cast:
             roots[index, 4:] = TILT_RAD * rng.standard_normal(2)
         robot = (float(spots[-1, 0]), float(self.mount.position[1] - spots[-1, 1]), float(rng.uniform(-3.1, 3.1)))
         self._stage.pose(joints, roots, robot)
-        return Scene(self._stage.geoms, self._stage.joints_m, yaw, self.stature_m)
+        return Scene(self._stage.geoms, self._stage.joints_m, yaw, self.stature_m, danced)
 
     def _tick(self, dancer: int) -> int:
         """A tick of a dancer's plan; many more in claps than their time would give."""

@@ -16,7 +16,7 @@ from ..sensors.posture import FEATURES
 from .forests import Growth, draw_probes, grow, grow_yaw, leaf_votes
 from .samples import gather
 from .scenes import scenes
-from .tuning import estimate, mean_posture, regress, thresholds
+from .tuning import estimate, mean_posture, regress, remember, thresholds
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +27,7 @@ class Recipe:
         scenes: number of scenes for the forests.
         tuning: number of scenes for thresholds.
         postures: number of scenes, of which no picture is taken, for the posture's regression.
+        remembered: number of scenes, of which no picture is taken either, whose postures are remembered.
         pixels: pixels per person and scene.
         probes: number of depth-difference features.
         seed: of everything random.
@@ -36,6 +37,7 @@ class Recipe:
     scenes: int = 1400
     tuning: int = 250
     postures: int = 1500
+    remembered: int = 120
     pixels: int = 110
     probes: int = 200
     seed: int = 0
@@ -65,13 +67,13 @@ def train(recipe: Recipe, say: Callable[[str], None] = lambda _: None) -> Model:
     tell(f"{yaws.leaves} leaves for yaws")
     grown = grow(drawn, recipe.growth, seed)
     tell(f"{grown.leaves} leaves for joints")
-    joint, offset, spread = leaf_votes(drawn, grown)
+    said = leaf_votes(drawn, grown)
     info = json.dumps({"version": VERSION, "seed": seed, "recipe": dataclasses.asdict(recipe)})
     model = Model(
-        probes, grown.feature, grown.threshold, grown.left, grown.right, grown.roots, joint, offset, spread,
-        yaws.feature, yaws.threshold, yaws.left, yaws.right, yaws.roots, yaw_vote,
+        probes, grown.feature, grown.threshold, grown.left, grown.right, grown.roots, said.joint,
+        said.offset, said.view, said.spread, yaws.feature, yaws.threshold, yaws.left, yaws.right, yaws.roots, yaw_vote,
         np.zeros(len(JOINTS), np.float32), np.zeros((FEATURES, 3 * len(JOINTS)), np.float16),
-        mean_posture(scenes(40, seed, "train")), info,
+        np.zeros((0, 3 * len(JOINTS)), np.float16), mean_posture(scenes(40, seed, "train")), info,
     )  # fmt: skip
     tell("leaves have their votes")
     model = tuned(model, recipe)
@@ -80,8 +82,10 @@ def train(recipe: Recipe, say: Callable[[str], None] = lambda _: None) -> Model:
 
 
 def tuned(model: Model, recipe: Recipe) -> Model:
-    """The same forests with thresholds and posture regression from other scenes."""
+    """The same forests with thresholds, posture regression and postures from other scenes."""
     seed = recipe.seed
     support = thresholds(estimate(scenes(recipe.tuning, seed, "tune"), model, seed, "tune"))
-    posture = regress(scenes(recipe.postures, seed, "posture"), model.mean.astype(float), seed)
-    return dataclasses.replace(model, support=support, posture=posture)
+    mean = model.mean.astype(float)
+    posture = regress(scenes(recipe.postures, seed, "posture"), mean, seed)
+    memory = remember(scenes(recipe.remembered, seed, "memory"), mean)
+    return dataclasses.replace(model, support=support, posture=posture, memory=memory)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -33,6 +34,9 @@ LIMBS = [
 ]
 """Joints that are hidden together: arms, then legs."""
 _BASE = JOINT_INDEX["SpineBase"]
+_OTHER = {"Left": "Right", "Right": "Left"}
+_TWINS = [JOINT_INDEX[re.sub("Left|Right", lambda side: _OTHER[side[0]], name)] for name in JOINTS]
+"""The same joint on the other side, or the joint itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,12 +90,15 @@ def mean_posture(scenes: Iterable[tuple[Mount, Scene]]) -> NDArray[np.float16]:
 
 
 def thresholds(found: Estimates) -> NDArray[np.float32]:
-    """(25,) weight of votes above which a joint is tracked: where good and bad estimates part best."""
-    error, out = found.error_m, np.zeros(len(JOINTS), np.float32)
-    for j in range(len(JOINTS)):
-        good = error[:, j] < GOOD_M
-        levels = np.percentile(found.support[:, j], np.arange(0.5, 70.0, 0.5))
-        above = found.support[:, j][:, None] > levels
+    """(25,) weight of votes above which a joint is tracked: where good and bad estimates part best.
+
+    A joint and its twin on the other side share theirs: bodies are symmetric, and bad estimates are few.
+    """
+    out = np.zeros(len(JOINTS), np.float32)
+    for j, twin in enumerate(_TWINS):
+        good, support = found.error_m[:, [j, twin]].ravel() < GOOD_M, found.support[:, [j, twin]].ravel()
+        levels = np.percentile(support, np.arange(0.5, 70.0, 0.5))
+        above = support[:, None] > levels
         kept = (above & good[:, None]).sum(axis=0) / max(good.sum(), 1)
         wrong = (above & ~good[:, None]).sum(axis=0) / max((~good).sum(), 1)
         out[j] = levels[int((kept - FALSE_COST * wrong).argmax())]
@@ -118,6 +125,19 @@ def regress(scenes: Iterable[tuple[Mount, Scene]], mean: Array, seed: int) -> ND
             goals.append(body.ravel())
     x, y = np.array(rows), np.array(goals)
     return np.asarray(np.linalg.solve(x.T @ x + RIDGE * np.eye(x.shape[1]), x.T @ y), dtype=np.float16)
+
+
+def remember(scenes: Iterable[tuple[Mount, Scene]], mean: Array) -> NDArray[np.float16]:
+    """(N, 75) postures of the dance in the frame that the regression's are in, each less the mean one."""
+    rows, all_seen = [], np.ones(len(JOINTS), dtype=bool)
+    for mount, scene in scenes:
+        true = points(mount, scene)
+        for k in np.flatnonzero(scene.danced):
+            row, place = np.empty(posture.FEATURES), np.empty(2)
+            scale = float(scene.stature_m[k] / 1.75)
+            posture.features(true[k], all_seen, mean, float(scene.yaw_rad[k]), scale, 0.0, row, place)
+            rows.append(row[: 3 * len(JOINTS)])
+    return np.array(rows, dtype=np.float16)
 
 
 def points(mount: Mount, scene: Scene) -> Array:

@@ -11,7 +11,7 @@ from sjasim.sensors.camera import Intrinsics
 from sjasim.sensors.segmentation import Foreground
 
 BASE = ANCHORED[0]
-AT_ONCE = np.array([1.0, 0.02])
+AT_ONCE = np.array([1.0, 0.02, 1.0])
 DT_S, DEPTH_M, FLESH_M = 1 / 30, 3.0, 0.12
 SIDE = np.linspace(-0.119, 0.119, 2 * CELLS)
 

@@ -37,6 +37,9 @@ def seen(*panels: tuple[float, float, float, float]) -> Foreground:
     return scene
 
 
+PER_PIXEL = 1.0 / (PINHOLE.fx * PINHOLE.fy)
+
+
 def share(scene: Foreground, places: list[tuple[float, float]], low: np.ndarray = NO_LOW) -> np.ndarray:
     joints = np.zeros((len(places), len(JOINTS), 3))
     joints[:, :, 1] = np.linspace(0.1, 1.7, len(JOINTS))
@@ -94,16 +97,25 @@ def test_a_robot_is_nobody_and_keeps_its_points_beside_a_leg():
 def test_a_person_is_measured():
     scene = seen((0.2, 3.0, 0.4, 1.7))
     share(scene, [(0.1, 3.1)])
-    count, x, z, crown, width = segmentation.measured(scene, np.array([[0.1, 3.1]]), np.ones(1))[0]
+    count, x, z, crown, width = segmentation.measured(scene, np.array([[0.1, 3.1]]), np.ones(1), PER_PIXEL)[0]
     assert count == scene.count
     assert (x, z) == pytest.approx((0.2, 3.0), abs=0.03)
     assert crown == pytest.approx(1.7, abs=0.04)
     assert width == pytest.approx(0.8 * 0.4, abs=0.04)
 
 
+def test_the_crown_is_the_same_whatever_is_seen_of_the_rest():
+    heads = []
+    for width, height in ((0.2, 1.6), (0.7, 1.6)):
+        scene = seen((0.0, 3.0, width, height), (0.0, 2.99, 0.16, 1.7))
+        share(scene, [(0.0, 3.0)])
+        heads.append(segmentation.measured(scene, np.array([[0.0, 3.0]]), np.ones(1), PER_PIXEL)[0, 3])
+    assert heads[0] == pytest.approx(heads[1], abs=0.005)
+
+
 def test_nobody_in_view_is_no_error():
     scene = seen()
     assert len(share(scene, [(0.0, 3.0)])) == 0
-    assert not segmentation.measured(scene, np.array([[0.0, 3.0]]), np.ones(1)).any()
+    assert not segmentation.measured(scene, np.array([[0.0, 3.0]]), np.ones(1), PER_PIXEL).any()
     assert segmentation.strangers(scene, PINHOLE, 0.04, 0.5) == []
     assert np.isnan(segmentation.low_object(scene, NO_LOW, PINHOLE, 0.01)).all()

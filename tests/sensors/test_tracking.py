@@ -30,7 +30,7 @@ def person(x: float = 0.0, z: float = 3.0, yaw_rad: float = 0.0, frames: int = 5
 
 def step(one: Person, joints: np.ndarray, seen: np.ndarray = ALL) -> None:
     one.predict(DT_S)
-    one.see(joints, seen, MODEL.posture, MODEL.mean, DT_S)
+    one.see(joints, seen, MODEL, DT_S)
 
 
 @pytest.mark.parametrize("yaw_rad", [0.0, 0.8, -1.6, 3.0])

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from sjasim.sensors.forest import answers
-from sjasim.training.forests import Growth, draw_probes
+from sjasim.training.forests import Growth, draw_probes, settle
 from sjasim.training.samples import Watcher, in_body
 from sjasim.training.scenes import scenes
 from sjasim.training.train import SMALL, Recipe, train
 from sjasim.training.tuning import estimate
 
 sklearn = pytest.importorskip("sklearn")
-TINY = Recipe(6, 4, 30, 40, 20, 0, Growth(1, 40, 1, 20))
+TINY = Recipe(6, 4, 30, 4, 40, 20, 0, Growth(1, 40, 1, 20))
 
 
 def test_the_same_seed_trains_the_same_model():
@@ -51,6 +51,39 @@ def test_the_persons_frame_turns_with_the_yaw():
     assert in_body(towards_sensor, facing) == pytest.approx([1.0, 0.2, 0.0])
     quarter = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 1.0])
     assert in_body(towards_sensor, quarter) == pytest.approx([0.0, 0.2, -1.0])
+
+
+def settled(turn: np.ndarray, turning: np.ndarray, still: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """One joint's offset from a leaf's pixels at some yaws, made of a part that turns and one that does not."""
+    cos, sin = np.cos(turn), np.sin(turn)
+    away = np.tile(turning, (len(turn), 1))
+    away[:, 0] += -sin * still[0] - cos * still[1]
+    away[:, 2] += -cos * still[0] + sin * still[1]
+    away += np.random.default_rng(0).normal(0.0, 0.01, away.shape)
+    return settle(away[:, None].astype(np.float32), np.stack([cos, sin], axis=1).astype(np.float32))
+
+
+def test_a_leaf_that_sees_people_from_all_sides_tells_what_turns_with_them_from_what_does_not():
+    turning, still = np.array([0.05, 0.30, -0.10]), np.array([0.02, 0.12])
+    middle, wide = settled(np.random.default_rng(1).uniform(-np.pi, np.pi, 400), turning, still)
+    assert middle[0] == pytest.approx([*turning, *still], abs=0.01)
+    assert wide[0] == pytest.approx(0.01 * np.sqrt(3), rel=0.2)
+
+
+def test_a_leaf_that_sees_one_side_only_is_right_on_that_side():
+    turning, still = np.array([0.05, 0.30, -0.10]), np.array([0.0, 0.12])
+    middle, _ = settled(np.random.default_rng(1).normal(0.0, 0.05, 400), turning, still)
+    forward, up, left, aside, beyond = middle[0]
+    assert [forward - beyond, up, left - aside] == pytest.approx([0.05 - 0.12, 0.30, -0.10], abs=0.01)
+
+
+def test_pixels_of_somebody_else_in_a_leaf_do_not_move_its_offsets():
+    yaws = np.random.default_rng(1).uniform(-np.pi, np.pi, 400)
+    away = np.zeros((400, 1, 3), np.float32)
+    away[:20] = 3.0
+    middle, wide = settle(away, np.stack([np.cos(yaws), np.sin(yaws)], axis=1).astype(np.float32))
+    assert np.abs(middle).max() < 0.01
+    assert wide[0] < 0.15
 
 
 @pytest.mark.slow
