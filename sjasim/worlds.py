@@ -227,7 +227,7 @@ class PhysicsWorld:
         self._outbox = []
         self._fire(stage.tick, now)
         turn = min(self._balance_task.due, self._frame_task.due, self._robot_task.due)
-        if stage.ticks.time_s(turn) > until_s:  # whatever rounding says, time goes on
+        if turn / stage.ticks.rate_hz > until_s:  # whatever rounding says, time goes on
             turn = min(turn, max(stage.ticks.at_or_after(until_s), stage.tick + 1))
         stage.step_to(turn)
         return self._outbox
