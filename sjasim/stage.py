@@ -26,6 +26,7 @@ from .contacts import Contacts
 from .errors import SjasimError
 from .humans.anatomy import Anatomy
 from .humans.body import BodyModel, body_model
+from .memory import Memory, index_rows, indices, matrix, vector
 from .rays.hiding import shapes
 from .robot.body import robot_spec
 from .types import (
@@ -127,16 +128,6 @@ def gather(
 
 
 @njit(cache=True)
-def _feel(sites: Array, where: IntArray, lifts: Array, lift: IntArray, joints: Array, load: Array) -> None:
-    """Copy what a frame is about: where joints are, (D, 25, 3), and what the floor carries, (D,)."""
-    for d in range(len(where)):
-        load[d] = lifts[lift[d]]
-        for j in range(where.shape[1]):
-            for k in range(3):
-                joints[d, j, k] = sites[where[d, j], k]
-
-
-@njit(cache=True)
 def command(targets: Array, where: IntArray, ctrl: Array) -> None:
     """Set the dancers' actuators: (D, 30) targets of the planned hinges, then of the tether; see `Stage.where`."""
     for d in range(len(where)):
@@ -144,6 +135,17 @@ def command(targets: Array, where: IntArray, ctrl: Array) -> None:
             actuator = where[d, ACTUATORS + k]
             if actuator >= 0:
                 ctrl[actuator] = targets[d, k]
+
+
+@njit(cache=True)
+def _feel(joints: Array, at: IntArray) -> None:
+    """Copy what a frame is about: where joints are, (D, 25, 3), and what the floor carries; ``at`` lists the arrays."""
+    sites, where, lifts, lift, load = matrix(at, 0), index_rows(at, 1), vector(at, 2), indices(at, 3), vector(at, 4)
+    for d in range(len(where)):
+        load[d] = lifts[lift[d]]
+        for j in range(where.shape[1]):
+            for k in range(3):
+                joints[d, j, k] = sites[where[d, j], k]
 
 
 class Stage:
@@ -183,8 +185,7 @@ class Stage:
         self.data = mujoco.MjData(self.model)
         self.ticks = Ticks(config.rate_hz)
         d = self.data  # its arrays stay where they are, and looking them up costs more than reading them
-        self._qpos, self._qvel, self.ctrl, self._site_xpos = d.qpos, d.qvel, d.ctrl, d.site_xpos
-        self._xpos, self._xmat, self._lifts = d.xpos, d.xmat, d.qfrc_constraint
+        self._qpos, self._qvel, self.ctrl, self._xpos, self._xmat = d.qpos, d.qvel, d.ctrl, d.xpos, d.xmat
         self._warning = d.warning[mujoco.mjtWarning.mjWARN_BADQACC]
         self._joints: Array = np.empty(0)
         self._joints_tick = -1
@@ -223,11 +224,13 @@ class Stage:
         servos = self._servo if self.direct else np.full((dancers, len(ACTUATED)), -1)
         self.where = np.hstack([body, self._root, root_dof, self._sites[:, _LOGGED], servos, wires]).astype(np.int64)
         masses = np.concatenate([m.body_mass, m.body_subtreemass[pelvis]])
-        self._lift, self._load = root_dof[:, 2].copy(), np.zeros(dancers)
+        self._load = np.zeros(dancers)
         d = self.data
+        sites, lifts = self._sites.astype(np.int64), root_dof[:, 2].astype(np.int64)
+        self._looks = Memory(d.site_xpos, sites, d.qfrc_constraint, lifts, self._load)
         self.felt = (
             d.subtree_com, d.cvel, d.xipos, d.qpos, d.qvel, d.site_xpos, d.actuator_force, self._load, masses,
-            m.body_parentid, np.zeros((m.nbody, 3)), self.where,
+            m.body_parentid.astype(np.int64), np.zeros((m.nbody, 3)), self.where,
         )  # fmt: skip
         owner = np.full(m.ngeom, -1, dtype=np.int64)
         names = [m.geom(geom).name for geom in range(m.ngeom)]
@@ -320,7 +323,7 @@ class Stage:
         up at its root is what its feet carry.
         """
         joints = np.empty(self._shape)
-        _feel(self._site_xpos, self._sites, self._lifts, self._lift, joints, self._load)
+        _feel(joints, self._looks.table)
         self._keep(joints)
 
     def bend(self, joints: Array) -> None:
@@ -340,9 +343,9 @@ class Stage:
 
     @property
     def joints_m(self) -> Array:
-        """(D, 25, 3) true joint positions [m]."""
+        """(D, 25, 3) true joint positions, an array for each tick [m]."""
         if self._joints_tick != self.tick:
-            self._keep(self._site_xpos[self._sites])
+            self._keep(self.data.site_xpos[self._sites])
         return self._joints
 
     def _keep(self, joints: Array) -> None:

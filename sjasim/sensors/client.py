@@ -86,6 +86,7 @@ class Client:
         watching: whether it detects.
         assisting: whether it looks for claps from the side.
         latest: the last frame that was processed, or None before the first; idle, a client processes few.
+        next_capture_s: session time from which it may want a frame.
         next_output_s: session time at which the next frame will have been processed; infinite when none is under way.
     """
 
@@ -109,11 +110,11 @@ class Client:
         self._helpers = AsideDetectors(detector_config)
         self._latency_s = sensor_config.latency_frames / sensor_config.rate_hz
         self._pending: deque[_Capture] = deque()
-        self.next_output_s = math.inf
+        self.next_capture_s, self.next_output_s = 0.0, math.inf
         self.latest: SkeletonFrame | None = None
-        ticks = Ticks(sensor_config.rate_hz)
+        self._rate_hz = sensor_config.rate_hz
+        ticks = Ticks(self._rate_hz)
         self._reports, self._looks = Task(ticks, sensor_config.status_hz), Task(ticks, sensor_config.idle_hz)
-        self._ticks = 0
         self._report_due = self._look_due = False
         self._t_first_s = math.nan
         towards = -mount.world_from_sensor[:, 2]
@@ -128,7 +129,7 @@ class Client:
         """A frame tick: take the frame, if it is wanted.
 
         Args:
-            t_s: session time, at every tick of the frame rate in order.
+            t_s: session time, at every tick of the frame rate in order, but for those before ``next_capture_s``.
             view: the stage at that time.
 
         Returns:
@@ -136,12 +137,12 @@ class Client:
         """
         if t_s >= self._dead_from_s:
             return None
-        tick = self._ticks
-        self._ticks = tick + 1
-        if report := tick == self._reports.due:
+        tick = math.floor(t_s * self._rate_hz + ROUNDING_S)
+        if report := tick >= self._reports.due:
             self._reports.advance()
             self._report_due = True
-        if tick == self._looks.due:
+            self._plan()
+        while tick >= self._looks.due:
             self._looks.advance()
             self._look_due = True
         if self.watching or self.assisting or (report and self._look_due):
@@ -193,7 +194,12 @@ class Client:
         if message.assist and not self.assisting:
             self._helpers.reset()
         self.watching, self.assisting = message.watch, message.assist
+        self._plan()
         return None
+
+    def _plan(self) -> None:
+        """Idle, it needs no frame before the next report."""
+        self.next_capture_s = 0.0 if self.watching or self.assisting else self._reports.due / self._rate_hz
 
     def _process(self, capture: _Capture, ready_s: float) -> list[DeviceEvent | ClientStatus]:
         t_device_s = self._clock.reading(ready_s)
