@@ -49,11 +49,10 @@ class Brief:
 
     def beat(self, iteration: int, t_s: float) -> float:
         """The beat of an iteration, and fraction of one, at a session time."""
-        return self.music(t_s) - self.music(self.iteration_start_s[iteration])
-
-    def music(self, t_s: float) -> float:
-        """The beat of the music at a session time, counted from anywhere."""
-        return t_s / self.beat_s if self.tempo is None else self.tempo.beat(t_s)
+        start_s = self.iteration_start_s[iteration]
+        if self.tempo is None:
+            return (t_s - start_s) / self.beat_s
+        return self.tempo.beat(t_s) - self.tempo.beat(start_s)
 
     def time_s(self, iteration: int, beat: float) -> float:
         """Session time of a beat of an iteration [s]."""

@@ -26,6 +26,7 @@ from .contacts import Contacts
 from .errors import SjasimError
 from .humans.anatomy import Anatomy
 from .humans.body import BodyModel, body_model
+from .memory import Memory, index_rows, indices, matrix, vector
 from .rays.hiding import shapes
 from .robot.body import robot_spec
 from .types import (
@@ -136,6 +137,17 @@ def command(targets: Array, where: IntArray, ctrl: Array) -> None:
                 ctrl[actuator] = targets[d, k]
 
 
+@njit(cache=True)
+def _feel(joints: Array, at: IntArray) -> None:
+    """Copy what a frame is about: where joints are, (D, 25, 3), and what the floor carries; ``at`` lists the arrays."""
+    sites, where, lifts, lift, load = matrix(at, 0), index_rows(at, 1), vector(at, 2), indices(at, 3), vector(at, 4)
+    for d in range(len(where)):
+        load[d] = lifts[lift[d]]
+        for j in range(where.shape[1]):
+            for k in range(3):
+                joints[d, j, k] = sites[where[d, j], k]
+
+
 class Stage:
     """Physics of one session. Sensors see it through the read-only part that `types.StageView` names.
 
@@ -173,8 +185,7 @@ class Stage:
         self.data = mujoco.MjData(self.model)
         self.ticks = Ticks(config.rate_hz)
         d = self.data  # its arrays stay where they are, and looking them up costs more than reading them
-        self._qpos, self._qvel, self.ctrl, self._site_xpos = d.qpos, d.qvel, d.ctrl, d.site_xpos
-        self._xpos, self._xmat, self._lifts = d.xpos, d.xmat, d.qfrc_constraint
+        self._qpos, self._qvel, self.ctrl, self._xpos, self._xmat = d.qpos, d.qvel, d.ctrl, d.xpos, d.xmat
         self._warning = d.warning[mujoco.mjtWarning.mjWARN_BADQACC]
         self._joints: Array = np.empty(0)
         self._joints_tick = -1
@@ -197,6 +208,7 @@ class Stage:
         pelvis = np.array([m.body(f"{p}pelvis").id for p in prefixes])
         self._sites = np.array([[m.site(p + joint).id for joint in JOINTS] for p in prefixes])
         hinges, leading = self._body.hinges, self._body.leading
+        self._shape = (dancers, len(JOINTS), 3)
         self._hinges = np.array([[m.joint(p + name).qposadr[0] for name in hinges] for p in prefixes])
         self._root = np.array([[m.joint(p + name).qposadr[0] for name in ROOT_JOINTS] for p in prefixes])
         root_dof = np.array([[m.joint(p + name).dofadr[0] for name in ROOT_JOINTS] for p in prefixes])
@@ -212,11 +224,13 @@ class Stage:
         servos = self._servo if self.direct else np.full((dancers, len(ACTUATED)), -1)
         self.where = np.hstack([body, self._root, root_dof, self._sites[:, _LOGGED], servos, wires]).astype(np.int64)
         masses = np.concatenate([m.body_mass, m.body_subtreemass[pelvis]])
-        self._lift, self._load = root_dof[:, 2].copy(), np.zeros(dancers)
+        self._load = np.zeros(dancers)
         d = self.data
+        sites, lifts = self._sites.astype(np.int64), root_dof[:, 2].astype(np.int64)
+        self._looks = Memory(d.site_xpos, sites, d.qfrc_constraint, lifts, self._load)
         self.felt = (
             d.subtree_com, d.cvel, d.xipos, d.qpos, d.qvel, d.site_xpos, d.actuator_force, self._load, masses,
-            m.body_parentid, np.zeros((m.nbody, 3)), self.where,
+            m.body_parentid.astype(np.int64), np.zeros((m.nbody, 3)), self.where,
         )  # fmt: skip
         owner = np.full(m.ngeom, -1, dtype=np.int64)
         names = [m.geom(geom).name for geom in range(m.ngeom)]
@@ -302,13 +316,15 @@ class Stage:
         return DancerStates(rows)
 
     def feel(self) -> None:
-        """Take what the floor carries at this moment, for the states to come.
+        """Take what the floor carries at this moment, for the states to come, and where joints are.
 
         Forces at the balance controller's own ticks would be those of targets as old as they get; so somebody who is
         out of step with it asks. Only soles meet the floor: beside a brush with somebody else, all that holds a body
         up at its root is what its feet carry.
         """
-        self._lifts.take(self._lift, out=self._load, mode="clip")
+        joints = np.empty(self._shape)
+        _feel(joints, self._looks.table)
+        self._keep(joints)
 
     def bend(self, joints: Array) -> None:
         """Set the hinge servos of bodies that are not `direct`, for targets (D, 25) of the planned hinges [rad]."""
@@ -327,12 +343,14 @@ class Stage:
 
     @property
     def joints_m(self) -> Array:
-        """(D, 25, 3) true joint positions [m]."""
+        """(D, 25, 3) true joint positions, an array for each tick [m]."""
         if self._joints_tick != self.tick:
-            self._joints = self._site_xpos.take(self._sites, axis=0)
-            self._joints.flags.writeable = False
-            self._joints_tick = self.tick
+            self._keep(self.data.site_xpos[self._sites])
         return self._joints
+
+    def _keep(self, joints: Array) -> None:
+        joints.flags.writeable = False
+        self._joints, self._joints_tick = joints, self.tick
 
     @property
     def yaw_rad(self) -> Array:

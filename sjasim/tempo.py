@@ -74,11 +74,27 @@ class TempoMap:
         """The beat, and fraction of one, at a time [s]."""
         return _through(self.times_s, self.beats, time_s)
 
+    def line(self, time_s: float) -> tuple[float, float, float]:
+        """The straight line that `beat` follows at a time.
+
+        Returns:
+            the beat at time 0 if the line went on until there, beats per second, and the time at which it ends [s].
+        """
+        k = _segment(self.times_s, time_s)
+        rate = (self.beats[k + 1] - self.beats[k]) / (self.times_s[k + 1] - self.times_s[k])
+        ends_s = self.times_s[k + 1] if k + 2 < len(self.times_s) else math.inf
+        return self.beats[k] - self.times_s[k] * rate, rate, ends_s
+
 
 def _through(xs: tuple[float, ...], ys: tuple[float, ...], x: float) -> float:
     """The value at ``x`` of the straight lines through the points, prolonged beyond both ends."""
-    k = min(max(bisect_right(xs, x) - 1, 0), len(xs) - 2)
+    k = _segment(xs, x)
     return ys[k] + (x - xs[k]) * (ys[k + 1] - ys[k]) / (xs[k + 1] - xs[k])
+
+
+def _segment(xs: tuple[float, ...], x: float) -> int:
+    """Which of the lines between the points holds at ``x``."""
+    return min(max(bisect_right(xs, x) - 1, 0), len(xs) - 2)
 
 
 def _apart(marks: list[float]) -> list[float]:

@@ -14,6 +14,7 @@ from numba import njit
 from .config import RobotConfig
 from .humans.balance import HINGES, Balance, correct
 from .ledger import Ledger
+from .memory import Memory, cube, index_rows, indices, matrix, vector
 from .robot.diff_drive import Pose
 from .robot.executor import LEFT_WHEEL, RIGHT_WHEEL, Executor, steer
 from .robot.odometry import RATE, Odometry, RobotEventDetector, detect, reckon
@@ -22,22 +23,21 @@ from .types import Array, IntArray, Kind, MoveCommand, RobotState
 
 
 @njit(cache=True)
-def _balance(
-    tick: int, row: int, truth: Array, felt: Array, com: Array, velocity: Array, centre: Array, qpos: Array,
-    qvel: Array, sites: Array, forces: Array, load: Array, mass: Array, parent: IntArray, momentum: Array,
-    where: IntArray, rate: float, until: IntArray, plan: Array, servo: Array, gain: Array, shift: Array, targets: Array,
-    ctrl: Array,
-) -> None:  # fmt: skip
-    """Feel, keep, correct, command: see `stage.gather`, `balance.correct` and `stage.command` for the arguments."""
+def _balance(tick: int, row: int, rate: float, truth: Array, at: IntArray) -> None:
+    """Feel, keep, correct, command; ``at`` lists the arrays of `DancersTurn`."""
+    felt, where, targets = matrix(at, 0), index_rows(at, 12), matrix(at, 18)
     gather(
-        com, velocity, centre, qpos, qvel, sites, forces, load, mass, parent, momentum, where, felt,
+        matrix(at, 1), matrix(at, 2), matrix(at, 3), vector(at, 4), vector(at, 5), matrix(at, 6), vector(at, 7),
+        vector(at, 8), vector(at, 9), indices(at, 10), matrix(at, 11), where, felt,
     )  # fmt: skip
     if row >= 0:
         for d in range(felt.shape[0]):
             for k in range(felt.shape[1]):
                 truth[row, d, k] = felt[d, k]
-    correct(tick, rate, until, plan, felt, servo, gain, shift, targets)
-    command(targets, where, ctrl)
+    correct(
+        tick, rate, indices(at, 13), cube(at, 14), felt, matrix(at, 15), vector(at, 16), cube(at, 17), targets,
+    )  # fmt: skip
+    command(targets, where, vector(at, 19))
 
 
 class DancersTurn:
@@ -51,26 +51,26 @@ class DancersTurn:
 
     def __init__(self, stage: Stage, balance: Balance, ledger: Ledger) -> None:
         self._stage, self._ledger, self._targets = stage, ledger, balance.targets
-        self._arrays = (*stage.felt, *balance.plan, *balance.memory, stage.ctrl)
-        self._felt = stage.states().rows
+        self._rate = balance.rate_hz
+        self._arrays = Memory(stage.states().rows, *stage.felt, *balance.plan, *balance.memory, stage.ctrl)
 
     def take(self, tick: int, now: float) -> None:
         """Take the turn of a control tick, at session time ``now``."""
         ledger = self._ledger
-        _balance(tick, ledger.tick(now), ledger.states, self._felt, *self._arrays)
+        row = ledger.tick(now)
+        _balance(tick, row, self._rate, ledger.states, self._arrays.table)
         if not self._stage.direct:
             self._stage.bend(self._targets[:, :HINGES])
 
 
 @njit(cache=True)
-def _ride(
-    t_s: float, noise: float, jammed: bool, row: int, rides: Array, qpos: Array, sensed: Array, place: Array,
-    attitude: Array, where: IntArray, ctrl: Array, base: Array, belief: Array, seen: Array, limits: Array, work: Array,
-) -> int:  # fmt: skip
-    """Odometry, events, wheel command and the record of them: see `robot.odometry` and `robot.executor`."""
-    reckon(t_s, qpos[where[LEFT_ANGLE]], qpos[where[RIGHT_ANGLE]], sensed[where[GYRO]], noise, base, belief)
-    event = int(detect(belief, seen))
-    steer(belief, limits, work)
+def _ride(t_s: float, noise: float, jammed: bool, row: int, rides: Array, at: IntArray) -> int:
+    """Odometry, events, wheel command and the record of them; ``at`` lists the arrays of `RobotTurn`."""
+    qpos, sensed, place, attitude, where = vector(at, 0), vector(at, 1), matrix(at, 2), matrix(at, 3), indices(at, 4)
+    ctrl, belief, work = vector(at, 5), vector(at, 7), vector(at, 10)
+    reckon(t_s, qpos[where[LEFT_ANGLE]], qpos[where[RIGHT_ANGLE]], sensed[where[GYRO]], noise, vector(at, 6), belief)
+    event = int(detect(belief, vector(at, 8)))
+    steer(belief, vector(at, 9), work)
     ctrl[where[LEFT_MOTOR]] = 0.0 if jammed else work[LEFT_WHEEL]
     ctrl[where[RIGHT_MOTOR]] = 0.0 if jammed else work[RIGHT_WHEEL]
     body = where[BASE]
@@ -97,7 +97,7 @@ class RobotTurn:
         self._detector = detector = RobotEventDetector(config)
         self._executor = executor = Executor(config)
         self._ledger = ledger
-        self._arrays = (
+        self._arrays = Memory(
             *stage.robot, stage.ctrl, odometry.base, odometry.belief, detector.seen, executor.limits, executor.work,
         )  # fmt: skip
 
@@ -127,5 +127,6 @@ class RobotTurn:
         """
         self._executor.take_up(t_s)
         ledger = self._ledger
-        event = _ride(t_s, self._odometry.noise_rad_s(), jammed, ledger.ride(), ledger.rides, *self._arrays)
+        row = ledger.ride()
+        event = _ride(t_s, self._odometry.noise_rad_s(), jammed, row, ledger.rides, self._arrays.table)
         return self._detector.event(event) if event else None

@@ -167,6 +167,8 @@ class PhysicsWorld:
         self.sensing: dict[str, Sensing] = {}
         self._mounts = {mount.name: mount for mount in layout.mounts}
         self._clients = {mount.name: self._client(config, layout, index) for index, mount in enumerate(layout.mounts)}
+        faced = {k: CARDINALS[self._timetable.faced(k)] for k in range(self._timetable.first, self._timetable.last + 1)}
+        self._faced = {k: (self._clients[name], self.sensing[name]) for k, name in faced.items()}
         self._balance_hz = config.stage.balance_hz
         self._balance_task = Task(ticks, self._balance_hz)
         self._frame_task = Task(ticks, config.sensors.rate_hz)
@@ -225,7 +227,7 @@ class PhysicsWorld:
         self._outbox = []
         self._fire(stage.tick, now)
         turn = min(self._balance_task.due, self._frame_task.due, self._robot_task.due)
-        if stage.ticks.time_s(turn) > until_s:  # whatever rounding says, time goes on
+        if turn / stage.ticks.rate_hz > until_s:  # whatever rounding says, time goes on
             turn = min(turn, max(stage.ticks.at_or_after(until_s), stage.tick + 1))
         stage.step_to(turn)
         return self._outbox
@@ -268,16 +270,16 @@ class PhysicsWorld:
     def look(self, now: float) -> None:
         """A frame tick: the clients take their frames and send what is ready; the floor's force is felt."""
         self.stage.feel()
+        soon = now + ROUNDING_S
         for name, client in self._clients.items():
-            skeletons = client.capture(now, self.stage)
-            if name == self.active and skeletons is not None:
-                self.ledger.estimate(skeletons, self.sensing[name].dancers, self._mounts[name])
-            if client.next_output_s <= now + ROUNDING_S:
+            if client.next_capture_s <= soon:
+                skeletons = client.capture(now, self.stage)
+                if name == self.active and skeletons is not None:
+                    self.ledger.estimate(skeletons, self.sensing[name].dancers, self._mounts[name])
+            if client.next_output_s <= soon:
                 self._outbox.extend(client.outputs(now))
-        faced = CARDINALS[self._timetable.faced(self._timetable.iteration_at(now))]
-        sensing = self.sensing[faced]
-        watched = self._clients[faced].watches(now)
-        self.ledger.see(self.stage.joints_m, sensing.visible if watched else None, sensing.dancers)
+        faced, sensing = self._faced[self._timetable.iteration_at(now)]
+        self.ledger.see(self.stage.joints_m, sensing.visible if faced.watches(now) else None, sensing.dancers)
         for watch in self.watchers:
             watch(now)
 

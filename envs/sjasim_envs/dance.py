@@ -177,7 +177,7 @@ class _Dance(gym.Env[Any, Any]):
         self._observer.reset(self._session)
         if self.render_mode == "human":
             self.render()
-        return self._observed(), {"t_s": self._session.time_s, "seed": config.seed}
+        return self._observed(self._session.time_s), {"t_s": self._session.time_s, "seed": config.seed}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Order what the action says, and let the dance go on for one decision's time.
@@ -195,12 +195,12 @@ class _Dance(gym.Env[Any, Any]):
         self._act(session, action)
         self._steps += 1
         session.advance(min(self._steps / self._hz, session.end_s))
-        done, terms = self._scorer.update(), self._scorer.terms
         now = session.time_s
+        done, terms = self._scorer.update(now), self._scorer.terms
         self._over = now >= session.end_s - 1e-9
         if self.render_mode == "human":
             self.render()
-        return self._observed(), sum(terms.values()), self._over, False, {"t_s": now, **terms, **done}
+        return self._observed(now), sum(terms.values()), self._over, False, {"t_s": now, **terms, **done}
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the stage (``rgb_array``), or the window brought up to date (``human``)."""
@@ -240,8 +240,8 @@ class _Dance(gym.Env[Any, Any]):
         changes |= {name: options[name] for name in OPTIONS if name in options and name != "people"}
         return _configured(self.config, changes)
 
-    def _observed(self) -> Any:
-        return self._observer.named()
+    def _observed(self, now: float) -> Any:
+        return self._observer.named(now)
 
     @abstractmethod
     def _act(self, session: Session, action: Any) -> None:
@@ -278,8 +278,8 @@ class DanceFlatEnv(DanceEnv):
         super().__init__(**options)
         self.observation_space = self._observer.flat_space
 
-    def _observed(self) -> Any:
-        return self._observer.flat()
+    def _observed(self, now: float) -> Any:
+        return self._observer.flat(now)
 
 
 class DanceContinuousEnv(_Dance):

@@ -18,6 +18,9 @@ from sjasim.types import SYNCHRONY_KINDS, Array, IntArray, Move, MoveCommand, Ro
 REACH_M = 20.0
 """Bound of every position [m]: no sensor reaches farther."""
 
+BLANK = 32
+"""Observations that are prepared at once."""
+
 _JOINTS = 25
 _NOBODY = Skeletons(np.empty(0, dtype=np.int64), np.empty((0, _JOINTS, 3)), np.empty((0, _JOINTS), dtype=np.int8))
 for _part in _NOBODY:
@@ -58,15 +61,15 @@ def parts(config: SessionConfig, steps: int, clients: int) -> dict[str, tuple[tu
 
 @njit(cache=True)
 def _write(
-    t_s: float, beat: float, last_s: Array, sent_s: float, reported_s: float, joints: Array, state: NDArray[np.int8],
-    order: IntArray, starts: tuple[int, int, int, int, int, int], row: Row,
+    t_s: float, line: tuple[float, float], last_s: Array, sent_s: float, reported_s: float, joints: Array,
+    state: NDArray[np.int8], order: IntArray, starts: tuple[int, int, int, int, int, int], row: Row,
 ) -> None:  # fmt: skip
     """Write what is another at every instant.
 
     Args:
         t_s: session time.
-        beat: of the iteration.
-        last_s: as in `tell`.
+        line: as in `tell`.
+        last_s: the same.
         sent_s: when the command in force was sent.
         reported_s: when the robot reported last.
         joints: (P, 25, 3) as in `Skeletons` [m].
@@ -76,7 +79,7 @@ def _write(
         row: (N,) to write.
     """
     beats, ages, seen_m, tracked, sent, reported = starts
-    tell(t_s, beat, last_s, row[beats:], row[ages:])
+    tell(t_s, line, last_s, row[beats:], row[ages:])
     row[sent] = min(t_s - sent_s, OLDEST_S)
     row[reported] = min(t_s - reported_s, OLDEST_S)
     dancers = len(last_s)
@@ -110,13 +113,15 @@ class Observer:
         self._limits = 2.0 * config.robot.max_speed_m_s, 2.0 * config.robot.max_yaw_rate_rad_s
         ends = np.cumsum([math.prod(shape) for shape, _, _ in self._parts.values()]).tolist()
         self._row: Row = np.zeros(ends[-1], dtype=np.float32)
-        starts = dict(zip(self._parts, [0, *ends], strict=False))
+        self._begins = [0, *ends[:-1]]
+        starts = dict(zip(self._parts, self._begins, strict=True))
         self._views: dict[str, Row] = {
             name: self._row[starts[name] : end].reshape(shape)
             for (name, (shape, _, _)), end in zip(self._parts.items(), ends, strict=True)
         }
         whole = tuple(starts[name] for name in ("beat", "event_age", "joints", "tracked"))
         self._starts = *whole, starts["command"] + _AGE, starts["robot"] + _REPORTED
+        self._blank: list[tuple[Row, dict[str, Row]]] = []
 
     @property
     def flat_space(self) -> spaces.Box:
@@ -144,19 +149,32 @@ class Observer:
         self._persons = _NOBODY.persons
         self._order = self._persons
 
-    def flat(self) -> Row:
-        """A fresh (N,) row of what is known now."""
-        self._look()
+    def flat(self, now: float) -> Row:
+        """A fresh (N,) row of what is known at this session time."""
+        self._look(now)
         return self._row.copy()
 
-    def named(self) -> dict[str, Row]:
+    def named(self, now: float) -> dict[str, Row]:
         """The same by name."""
-        self._look()
-        return {name: view.copy() for name, view in self._views.items()}
+        self._look(now)
+        if not self._blank:
+            self._cut()
+        row, named = self._blank.pop()
+        row[:] = self._row
+        return named
 
-    def _look(self) -> None:
+    def _cut(self) -> None:
+        """Prepare empty observations, each in a row of its own; many at once take a third of the time."""
+        sheet = np.empty((BLANK, len(self._row)), dtype=np.float32)
+        columns = [
+            sheet[:, begin : begin + view.size].reshape(BLANK, *view.shape)
+            for begin, view in zip(self._begins, self._views.values(), strict=True)
+        ]
+        parts = [dict(zip(self._views, own, strict=True)) for own in zip(*columns, strict=True)]
+        self._blank = list(zip(sheet, parts, strict=True))
+
+    def _look(self, now: float) -> None:
         session, features = self._session, self._features
-        now = session.time_s
         if len(session.events) > self._told:
             self._hear()
         begun = features.reach(now)
@@ -177,7 +195,7 @@ class Observer:
             self._known, self._persons = known, seen.persons
             self._order = np.array([known.get(person, -1) for person in seen.persons.tolist()], dtype=np.int64)
         _write(
-            now, features.beat(now), features.last_s, self._sent_s, self._reported_s, seen.joints, seen.state,
+            now, features.line, features.last_s, self._sent_s, self._reported_s, seen.joints, seen.state,
             self._order, self._starts, self._row,
         )  # fmt: skip
 

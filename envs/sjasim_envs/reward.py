@@ -116,8 +116,8 @@ class Scorer:
         self._slot = float(self.session.layout.robot[0]), float(self.session.layout.robot[1])
         self._looked_s = self.session.time_s
 
-    def update(self) -> dict[str, object]:
-        """Judge everything since the last time; `terms` holds what it earned.
+    def update(self, now: float) -> dict[str, object]:
+        """Judge everything since the last time until now, a session time; `terms` holds what it earned.
 
         Returns:
             the figures of an iteration that has been settled meanwhile, else nothing.
@@ -133,7 +133,6 @@ class Scorer:
             for own in danced[self._danced :]:
                 self._see(own)
             self._danced = len(danced)
-        now = session.time_s
         if now >= self._looked_s + LOOK_S - 1e-9:
             self._look(now, now - self._looked_s)
             self._looked_s = now

@@ -10,6 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..answers import Brief
+from ..tempo import TempoMap
 from ..types import (
     SYNCHRONY_KINDS,
     Array,
@@ -47,16 +48,17 @@ def iteration_at(brief: Brief, t_s: float) -> int:
 
 
 @njit(cache=True)
-def tell(t_s: float, beat: float, last_s: Array, beats: Row, ages: Row) -> None:
+def tell(t_s: float, line: tuple[float, float], last_s: Array, beats: Row, ages: Row) -> None:
     """Write what is another at every instant.
 
     Args:
         t_s: session time.
-        beat: of the iteration.
+        line: see `Features`.
         last_s: (D, 5, 2) when each dancer last did each kind [s]; regular, then early.
         beats: (9,) to write: the beat over 40, then cosines and sines of its phases in `PERIODS`.
         ages: (D * 10,) to write: seconds since each of ``last_s``, at most `OLDEST_S`.
     """
+    beat = line[0] + line[1] * t_s
     beats[0] = min(max(beat / 40.0, EARLIEST), -EARLIEST)
     for k in range(len(_TURNS)):
         beats[1 + k], beats[1 + len(_TURNS) + k] = math.cos(_TURNS[k] * beat), math.sin(_TURNS[k] * beat)
@@ -71,7 +73,9 @@ class Features:
         brief: the dance.
 
     Attributes:
-        iteration: the one whose window holds the session time that has been reached; the last one after it.
+        iteration: the one whose window holds the session time that has been reached; the last one after it, -1
+            before any.
+        line: beat of the iteration at session time 0 if the present tempo had always been, and beats per second.
         last_s: (D, 5, 2) when each dancer last did each kind [s]; regular, then early.
         last_iteration: (D, K) when each dancer did each step in the iteration before, after its beat [s]; 0 where
             unknown.
@@ -82,8 +86,9 @@ class Features:
         self._history = History(brief, EPSILON_S)
         self._person = {name: index for index, name in enumerate(brief.cast)}
         self._until_s = -math.inf
-        self._first_beat = 0.0
-        self.iteration = 0
+        self._tempo = brief.tempo or TempoMap((0.0, 1.0), (0.0, brief.beat_s))
+        self.line = 0.0, 0.0
+        self.iteration = -1
         self.last_s = np.full((len(brief.cast), len(SYNCHRONY_KINDS), 2), -np.inf)
         self.last_iteration: Row = np.zeros((len(brief.cast), len(brief.steps)), dtype=np.float32)
 
@@ -100,18 +105,18 @@ class Features:
         """Go on to a session time, not before the last one; whether another iteration has begun, or the first."""
         if t_s <= self._until_s:
             return False
-        brief = self._brief
+        brief, before = self._brief, self.iteration
         iteration = self.iteration = iteration_at(brief, t_s)
-        self._until_s = brief.window_end_s[iteration] if iteration < brief.iterations else math.inf
-        self._first_beat = brief.music(brief.iteration_start_s[iteration])
+        window_s = brief.window_end_s[iteration] if iteration < brief.iterations else math.inf
+        beat, rate, ends_s = self._tempo.line(t_s)
+        self.line = beat - self._tempo.beat(brief.iteration_start_s[iteration]), rate
+        self._until_s = min(window_s, ends_s)
+        if iteration == before:
+            return False
         if iteration:
             late_s = np.nan_to_num(self._history.times(iteration - 1) - nominal_times(brief, iteration - 1))
             self.last_iteration = np.clip(late_s, -LATEST_S, LATEST_S).astype(np.float32)
         return True
-
-    def beat(self, t_s: float) -> float:
-        """The beat of the iteration that has been reached."""
-        return self._brief.music(t_s) - self._first_beat
 
     def row(self, t_s: float, move: int, sent_s: float) -> Row:
         """(N,) everything a learned method is told.
@@ -123,7 +128,7 @@ class Features:
         """
         self.reach(t_s)
         beats, ages = np.empty(_BEATS, dtype=np.float32), np.empty(self.last_s.size, dtype=np.float32)
-        tell(t_s, self.beat(t_s), self.last_s, beats, ages)
+        tell(t_s, self.line, self.last_s, beats, ages)
         chosen = [0.0] * len(MOVES)
         chosen[move] = 1.0
         own, late_s = [*chosen, min(t_s - sent_s, OLDEST_S)], self.last_iteration.ravel()

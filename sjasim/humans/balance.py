@@ -224,6 +224,9 @@ class Balance:
         gains: of the controller.
 
     Attributes:
+        rate_hz: as given.
+        plan: what `correct` takes before the felt state: rows planned and the plan.
+        targets: its output.
         memory: what `correct` takes behind the felt state, in its order: actuators, gains, foot shifts and, as its
             output, the targets.
     """
@@ -234,7 +237,7 @@ class Balance:
         s, dancers = servos, len(omega)
         servo = np.column_stack([s.stiffness, s.lead, s.root_lead, s.weight, s.leg, omega])
         gain = np.array(astuple(gains or BalanceGains()))
-        self.plan = float(rate_hz), reference.until, reference.rows
-        """What `correct` takes before the felt state: rate, rows planned and the plan."""
+        self.rate_hz = float(rate_hz)
+        self.plan = reference.until, reference.rows
         self.targets = np.zeros((dancers, HINGES + 5))
         self.memory = servo, gain, np.zeros((dancers, 2, 3)), self.targets

@@ -139,12 +139,25 @@ def _before(
         across = (seen[g, OUTLINE + LOW_X] <= high_x) & (low_x <= seen[g, OUTLINE + HIGH_X])
         across &= (seen[g, OUTLINE + LOW_Y] <= high_y) & (low_y <= seen[g, OUTLINE + HIGH_Y])
         if across & (seen[g, OUTLINE + NEAREST] < deepest):
+            if rows[g, FORM] == PLANE and _above(points, wanted, seen, g):
+                continue
             for k in range(OWN):
                 near[found, k] = seen[g, OUTLINE + k]
             near[found, OWN] = rows[g, OWNER] == owner
             places[found] = g
             found += 1
     return found
+
+
+@njit(cache=True, error_model="numpy")
+def _above(points: Array, wanted: BoolArray, seen: Array, g: int) -> bool:
+    """Whether all wanted points are on a plane's front, where it hides none of them."""
+    x, y, z = seen[g, AXES + 2], seen[g, AXES + 5], seen[g, AXES + 8]
+    level = x * seen[g, CENTRE] + y * seen[g, CENTRE + 1] + z * seen[g, CENTRE + 2]
+    for n in range(len(points)):
+        if wanted[n] and x * points[n, 0] + y * points[n, 1] + z * points[n, 2] < level:
+            return False
+    return True
 
 
 @njit(cache=True, error_model="numpy")

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..choreography.layout import Mount
-from ..clock import DeviceClock
+from ..clock import DeviceClock, Task, Ticks
 from ..config import DetectorConfig, SensorConfig
 from ..types import (
     ClientOrder,
@@ -85,6 +85,8 @@ class Client:
         name: the sensor's name.
         watching: whether it detects.
         assisting: whether it looks for claps from the side.
+        latest: the last frame that was processed, or None before the first; idle, a client processes few.
+        next_capture_s: session time from which it may want a frame.
         next_output_s: session time at which the next frame will have been processed; infinite when none is under way.
     """
 
@@ -102,26 +104,22 @@ class Client:
         self.watching = self.assisting = False
         self._mount = mount
         self._sensing = sensing
-        self._config = sensor_config
         self._clock = clock
         self._dead_from_s = dead_from_s
         self._detectors = Detectors(detector_config, sensor_config.rate_hz)
         self._helpers = AsideDetectors(detector_config)
         self._latency_s = sensor_config.latency_frames / sensor_config.rate_hz
         self._pending: deque[_Capture] = deque()
-        self.next_output_s = math.inf
-        self._latest: SkeletonFrame | None = None
-        self._ticks = 0
+        self.next_capture_s, self.next_output_s = 0.0, math.inf
+        self.latest: SkeletonFrame | None = None
+        self._rate_hz = sensor_config.rate_hz
+        ticks = Ticks(self._rate_hz)
+        self._reports, self._looks = Task(ticks, sensor_config.status_hz), Task(ticks, sensor_config.idle_hz)
         self._report_due = self._look_due = False
         self._t_first_s = math.nan
         towards = -mount.world_from_sensor[:, 2]
         self._bearing_rad = math.atan2(towards[1], towards[0])
         self._pose = np.column_stack([mount.world_from_sensor, mount.position])
-
-    @property
-    def latest(self) -> SkeletonFrame | None:
-        """The last frame that was processed, or None before the first; idle, a client processes few."""
-        return self._latest
 
     def watches(self, t_s: float) -> bool:
         """Whether it is told to watch and alive."""
@@ -131,7 +129,7 @@ class Client:
         """A frame tick: take the frame, if it is wanted.
 
         Args:
-            t_s: session time, at every tick of the frame rate in order.
+            t_s: session time, at every tick of the frame rate in order, but for those before ``next_capture_s``.
             view: the stage at that time.
 
         Returns:
@@ -139,10 +137,14 @@ class Client:
         """
         if t_s >= self._dead_from_s:
             return None
-        report = self._round(self._config.status_hz)
-        self._report_due |= report
-        self._look_due |= self._round(self._config.idle_hz)
-        self._ticks += 1
+        tick = math.floor(t_s * self._rate_hz + ROUNDING_S)
+        if report := tick >= self._reports.due:
+            self._reports.advance()
+            self._report_due = True
+            self._plan()
+        while tick >= self._looks.due:
+            self._looks.advance()
+            self._look_due = True
         if self.watching or self.assisting or (report and self._look_due):
             skeletons = self._sensing.sample(view)
             if skeletons is None:
@@ -159,10 +161,6 @@ class Client:
         self._pending.append(_Capture(t_s, skeletons, self.watching, self.assisting, self._report_due))
         self._report_due = False
         return skeletons
-
-    def _round(self, rate_hz: int) -> bool:
-        """Whether a turn of something that happens so often comes with this frame tick."""
-        return self._ticks * rate_hz % self._config.rate_hz < rate_hz
 
     def outputs(self, t_s: float) -> list[DeviceEvent | ClientStatus]:
         """Everything from frames whose processing is over by session time ``t_s``, oldest first."""
@@ -196,7 +194,12 @@ class Client:
         if message.assist and not self.assisting:
             self._helpers.reset()
         self.watching, self.assisting = message.watch, message.assist
+        self._plan()
         return None
+
+    def _plan(self) -> None:
+        """Idle, it needs no frame before the next report."""
+        self.next_capture_s = 0.0 if self.watching or self.assisting else self._reports.due / self._rate_hz
 
     def _process(self, capture: _Capture, ready_s: float) -> list[DeviceEvent | ClientStatus]:
         t_device_s = self._clock.reading(ready_s)
@@ -204,7 +207,7 @@ class Client:
             return [ClientStatus(self.name, t_device_s, None)]
         messages: list[DeviceEvent | ClientStatus] = []
         t_capture_device_s = self._clock.reading(capture.t_s)
-        frame = self._latest = SkeletonFrame(
+        frame = self.latest = SkeletonFrame(
             self.name, t_device_s, t_capture_device_s, capture.t_s - self._t_first_s, capture.skeletons
         )
         if capture.watched and self.watching:

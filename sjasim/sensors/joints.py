@@ -67,6 +67,7 @@ class JointsSensing:
         self._shape = (group, len(JOINTS))
         self.visible: BoolArray = np.zeros(self._shape, dtype=bool)
         self._config = config
+        self._loss, self._rate_hz = config.frame_loss, config.rate_hz
         self._persons: IntArray = np.arange(group, dtype=np.int64)
         self._persons.flags.writeable = False
         self._eye = _eye(mount, config)
@@ -88,12 +89,16 @@ class JointsSensing:
         Returns:
             the skeletons, or None if the frame was lost.
         """
-        if self._config.frame_loss and self._losses.random() < self._config.frame_loss:
+        if self._loss and self._losses.random() < self._loss:
             return None
-        t_s = view.time_s
-        if self._t_s > -math.inf:
-            self._go_on(max(1, round((t_s - self._t_s) * self._config.rate_hz)))
+        t_s, before_s = view.time_s, self._t_s
         self._t_s = t_s
+        if before_s > -math.inf:
+            frames = max(1, round((t_s - before_s) * self._rate_hz))
+            if frames != self._frames:
+                self._pace(frames)
+            if not self._room.left:
+                self._room = _Room(self._normal(_BLOCK_FRAMES))
         room = self._room
         room.left = frame = room.left - 1
         observe(view.joints_m, self.dancers, *view.solids, self._eye, self._errors, *room.arrays, frame)
@@ -101,12 +106,8 @@ class JointsSensing:
         self.visible = visible[frame]
         return Skeletons(self._persons, joints[frame], state[frame])
 
-    def _go_on(self, frames: int) -> None:
-        """Set the errors' pace: share of the drift kept, what comes anew, share of the factor's way."""
-        if not self._room.left:
-            self._room = _Room(self._normal(_BLOCK_FRAMES))
-        if frames == self._frames:
-            return
+    def _pace(self, frames: int) -> None:
+        """How errors move in so many frames: share of the drift kept, what comes anew, share of the factor's way."""
         self._frames = frames
         kept = self._config.drift_correlation**frames
         self._eye[KEPT], self._eye[FRESH] = kept, self._config.drift_m * math.sqrt(1.0 - kept**2)

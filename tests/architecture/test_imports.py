@@ -12,7 +12,7 @@ from .source import Import, Module, imports, modules, skin
 
 LEVELS = {
     **dict.fromkeys(("types", "tempo", "answers", "logs", "errors"), 0),
-    **dict.fromkeys(("registry", "clock", "link", "rays", "contacts"), 1),
+    **dict.fromkeys(("registry", "clock", "link", "memory", "rays", "contacts"), 1),
     **dict.fromkeys(("config", "config_io"), 2),
     **dict.fromkeys(("choreography", "assets"), 3),
     **dict.fromkeys(("humans", "robot", "sensors", "server", "anticipation", "record"), 4),

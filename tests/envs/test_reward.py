@@ -63,7 +63,7 @@ class Story:
 
     def after(self, seconds=0.0, until=None):
         self.session.time_s = self.session.time_s + seconds if until is None else until
-        info = self.scorer.update()
+        info = self.scorer.update(self.session.time_s)
         terms = self.scorer.terms.items()
         return {name.removeprefix("reward_"): value for name, value in terms if value}, info
 
@@ -138,11 +138,14 @@ GROUPS = (0, 6101, 6102, 6103)
 
 
 def danced(name, seed):
-    """Return, mean timing error and synchrony of one policy; all meet the same people in the same performance."""
+    """Return, mean timing error and synchrony of one policy; all meet the same people in the same performance.
+
+    Errors count as far as they do in the reward: of somebody seconds behind nobody can say who met them better.
+    """
     method = {"method": name} if name in ("sia", "eca") else {}
     env = gym.make("sjasim/Dance-v0", iterations=3, performance="one", disable_env_checker=True, **method)
     total, rows = dance(env, {"oracle": Oracle, "idle": idle}.get(name, leave_be), seed=seed)
-    errors = np.abs([row["event_errors_s"] for row in rows])
+    errors = np.minimum(np.abs([row["event_errors_s"] for row in rows]), RewardConfig().worst_s)
     ta_s = np.nanmean(errors) if np.isfinite(errors).any() else np.inf
     return total, ta_s, np.mean([row["gsi_full_edges"] for row in rows])
 
