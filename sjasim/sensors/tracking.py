@@ -30,7 +30,7 @@ SAME_M = 0.30
 """Two persons cannot stand closer than this; the younger is a mistake (assumed)."""
 RELAX_S = 0.10
 """Time constant with which a hidden joint goes where the rest of the posture says (assumed)."""
-SETTLE_TRUNK_S, SETTLE_LIMB_S = 0.40, 0.07
+SETTLE_TRUNK_S, SETTLE_LIMB_S = 0.40, 0.02
 """Time constants with which a joint that comes back into sight goes where it is seen: a trunk that jumped would look
 like a step (assumed)."""
 SETTLED_M = 0.03
@@ -63,8 +63,9 @@ TOUCH_M, CLASP_S = 0.16, 0.4
 """Hands that were seen closer than this hide each other, and are known for so long all the same (assumed)."""
 MEET_M, CLOSING = 0.22, 0.7
 """Tracked hands so near are about to touch; of what lies between them so much is left a frame later (assumed)."""
-HOLD_S, HOLD_M = 0.08, 0.15
-"""A joint that was tracked is for so long without support, while it is found this near to its prediction (assumed)."""
+HOLD_S, WEAK_S, HOLD_M = 0.08, 0.4, 0.15
+"""A joint that was tracked is for so long without a vote, and for so long with too few, while it is found this near to
+its prediction (assumed)."""
 LEAP_S, LEAP_M = 0.12, 0.25
 """A joint that leaps farther than this in a frame is not believed for so long (assumed)."""
 CROWN = 0.959
@@ -101,8 +102,9 @@ def near(one: Array, other: Array, limit_m: float) -> bool:
 
 @njit(cache=True)
 def _hold(
-    joints: Array, before: Array, state: NDArray[np.int8], interval_s: float, unseen_s: Array, seen: posture.Seen
-) -> None:
+    joints: Array, before: Array, state: NDArray[np.int8], weak: posture.Seen, interval_s: float, unseen_s: Array,
+    seen: posture.Seen,
+) -> None:  # fmt: skip
     """See `Person.hold`; ``before`` are the joints as predicted."""
     limit_s, twin = np.full(len(seen), HOLD_S), np.full(len(seen), -1)
     for left, right in HANDS:
@@ -115,7 +117,7 @@ def _hold(
             seen[j] = False
         unseen_s[j] = 0.0 if seen[j] else unseen_s[j] + interval_s
     for j in range(len(seen)):
-        if seen[j] or state[j] != TRACKED or unseen_s[j] >= limit_s[j]:
+        if seen[j] or state[j] != TRACKED or unseen_s[j] >= max(limit_s[j], WEAK_S * weak[j]):
             continue
         if near(joints[j], before[j], HOLD_M):
             seen[j] = True
@@ -267,7 +269,7 @@ class Person:
         state = INFERRED if self.missing_s <= INFER_S else NOT_TRACKED
         self.state = np.where(np.isnan(self.joints[:, 0]), NOT_TRACKED, state).astype(np.int8)
 
-    def hold(self, joints: Array, seen: posture.Seen, interval_s: float) -> None:
+    def hold(self, joints: Array, seen: posture.Seen, weak: posture.Seen, interval_s: float) -> None:
         """Count joints as seen that lack support for a moment only, and hands that touch for longer; none that leaps.
 
         Hands that touch hide each other's surface, and neither goes far: one that is not found is beside the other.
@@ -277,9 +279,10 @@ class Person:
         Args:
             joints: (25, 3) where votes agree.
             seen: (25,) which of them are supported; changed in place.
+            weak: (25,) for which of them there is a vote at all.
             interval_s: since the last frame.
         """
-        _hold(joints, self.joints, self.state, interval_s, self.unseen_s, seen)
+        _hold(joints, self.joints, self.state, weak, interval_s, self.unseen_s, seen)
 
     def see(self, joints: Array, seen: posture.Seen, model: Unpacked, interval_s: float) -> None:
         """Take in a frame's joints.

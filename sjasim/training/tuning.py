@@ -70,7 +70,7 @@ def estimate(scenes: Iterable[tuple[Mount, Scene]], model: Model, seed: int, nam
     fx = watcher.intrinsics.fx
     for mount, scene in scenes:
         seen = watcher.see(mount, scene)
-        joints, support = votes.joints(seen.scene, shares(seen.counts, VOTING), fx, seen.persons, seen.prior)
+        joints, support, _ = votes.joints(seen.scene, shares(seen.counts, VOTING), fx, seen.persons, seen.prior)
         enough = seen.counts * seen.joints[:, _BASE, 2] ** 2 > LEAST_M2 * fx * fx
         for k in np.flatnonzero(enough & np.isfinite(joints).all(axis=(1, 2))):
             rows.append((joints[k], support[k], seen.joints[k], seen.persons[k], seen.yaw_rad[k]))

@@ -147,7 +147,20 @@ def test_hands_that_touch_stay_known_for_a_while_and_hands_apart_do_not():
         seen[[*left, *right]] = False
         for tick in range(20):
             counted = seen.copy()
-            one.hold(joints, counted, DT_S)
+            one.hold(joints, counted, ~ALL, DT_S)
             step(one, joints, counted)
             known = (tick + 1) * DT_S - 1e-9 < (tracking.CLASP_S if held else tracking.HOLD_S)
             assert counted[left].all() == counted[right].all() == known
+
+
+def test_a_hand_with_too_few_votes_stays_known_for_longer_but_not_elsewhere():
+    left = tracking.HANDS[1, 0]
+    for off_m, held_s in ((0.0, tracking.WEAK_S), (0.4, 0.0)):
+        one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
+        seen[left] = False
+        joints[left, 1] += off_m
+        for tick in range(20):
+            counted = seen.copy()
+            one.hold(joints, counted, ALL, DT_S)
+            assert counted[left] == ((tick + 1) * DT_S - 1e-9 < held_s)
+            step(one, joints, counted)
