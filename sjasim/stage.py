@@ -349,7 +349,7 @@ class Stage:
         return self._joints
 
     def _keep(self, joints: Array) -> None:
-        joints.flags.writeable = False
+        joints.setflags(write=False)
         self._joints, self._joints_tick = joints, self.tick
 
     @property

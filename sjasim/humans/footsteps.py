@@ -147,15 +147,22 @@ class Feet:
 
     def weight(self, span: slice) -> Array:
         """(T,) share of the weight on the left foot: all on one while the other swings, eased in between."""
-        swinging = self.landing[span] > 0
-        raw = np.where(swinging[:, 0], 0.0, np.where(swinging[:, 1], 1.0, 0.5))
-        return np.asarray(eased(raw, self._kernel))
+        return np.asarray(eased(_standing(self.landing[span]), self._kernel))
 
     def zmp(self, span: slice, weight: Array, ahead_m: float) -> Array:
         """(T, 2) zero-moment point: between the soles' middles, ``ahead_m`` before the ankles [m]."""
         yaw = self.yaw[span]
         soles = self.ankles[span, :, :2] + ahead_m * np.stack([np.cos(yaw), np.sin(yaw)], axis=2)
         return np.asarray(weight[:, None] * soles[:, 0] + (1.0 - weight[:, None]) * soles[:, 1])
+
+
+@njit(cache=True)
+def _standing(landing: Array) -> Array:
+    """(T,) 0 while the left foot swings, 1 while the right one does, else a half; (T, 2) times to landing [s]."""
+    out = np.empty(len(landing))
+    for t in range(len(landing)):
+        out[t] = 0.0 if landing[t, 0] > 0 else 1.0 if landing[t, 1] > 0 else 0.5
+    return out
 
 
 def easing(reach_s: float, dt_s: float) -> Array:

@@ -71,6 +71,39 @@ def _pendulum(zmp: Array, omega_dt: float, first: Array) -> Array:
     return com
 
 
+@njit(cache=True)
+def _put(path: Array, axis: Array, free: Array, com: Array, offset: Array, lean: float, pelvis: Array) -> None:
+    """Write the pelvis' place on the floor: on its path along the heading, under the centre of mass across it.
+
+    Args:
+        path: (T, 2) where the pelvis is to be [m].
+        axis: (T, 2) unit vectors along the heading.
+        free: (T,) share in which it follows the centre of mass alone.
+        com: (T, 2) centre of mass [m].
+        offset: (T, 2) how far it is before the pelvis [m].
+        lean: how far the pelvis is before its path [m].
+        pelvis: (T, 3) output.
+    """
+    for t in range(len(path)):
+        ahead_x, ahead_y, share = axis[t, 0], axis[t, 1], free[t]
+        along = path[t, 0] * ahead_x + path[t, 1] * ahead_y + lean
+        x, y = com[t, 0] - offset[t, 0], com[t, 1] - offset[t, 1]
+        off = x * ahead_x + y * ahead_y
+        pelvis[t, 0] = share * x + (1.0 - share) * ((x - off * ahead_x) + along * ahead_x)
+        pelvis[t, 1] = share * y + (1.0 - share) * ((y - off * ahead_y) + along * ahead_y)
+
+
+@njit(cache=True)
+def _divergent(com: Array, dt_s: float, omega: float, out: Array) -> None:
+    """Write the divergent component (T, 2) of a motion of the centre of mass (T, 2 or more) [m]."""
+    last = len(com) - 1
+    for t in range(last + 1):
+        a, b = max(t - 1, 0), min(t + 1, last)
+        per = 2.0 * dt_s if b - a == 2 else dt_s
+        for k in range(2):
+            out[t, k] = com[t, k] + (com[b, k] - com[a, k]) / per / omega
+
+
 class Planner:
     """Plans one dancer, cue by cue; what lies before the present is never touched again.
 
@@ -230,29 +263,21 @@ class Planner:
         yaw, ankles, weight = self._reference.yaw[span], r.ankles[span], self._steps.weight(span)
         com = _pendulum(self._steps.zmp(span, weight, self._ahead), self._omega * self._dt, self._com[first])
         axis = np.stack([np.cos(self._axis[span]), np.sin(self._axis[span])], axis=1)
-        along = ((self._path[span] * axis).sum(axis=1, keepdims=True) + self._lean) * axis
-        free = self._free[span][:, None]
         joints = np.zeros((len(yaw), 25))
         joints[:, ARM_COLUMNS] = self._arms[span]
         joints[:, ACTUATED_INDEX["abdomen_y"]] = self._trunk[span]
         pelvis, offset = np.empty((len(yaw), 3)), (self._ahead - self._lean) * axis
         for final in (False, True):
-            loose = com - offset
-            across = loose - (loose * axis).sum(axis=1, keepdims=True) * axis
-            pelvis[:, :2] = free * loose + (1.0 - free) * (across + along)
+            _put(self._path[span], axis, self._free[span], com, offset, self._lean, pelvis)
             pelvis[:, 2] = footsteps.pelvis_height(
                 pelvis, yaw, ankles, self._chains.leg, self._anatomy.standing_m, self._kernel
             )
             legs(pelvis, yaw, ankles, r.foot_yaw[span], self._chains.leg, joints, LEG_COLUMNS)
             if not final:
-                offset = com_offsets(self._chains, joints, yaw)[:, :2]
+                offset = com_offsets(self._chains, joints, yaw)
         placed = masses(self._chains, joints, pelvis, yaw)
-        real = np.asarray(self._share @ placed[2])[:, :2]
         r.joints[span], r.pelvis[span], r.weight[span], self._com[span] = joints, pelvis, weight, com
-        rate = np.empty_like(real)
-        rate[1:-1] = (real[2:] - real[:-2]) / (2.0 * self._dt)
-        rate[0], rate[-1] = (real[1] - real[0]) / self._dt, (real[-1] - real[-2]) / self._dt
-        r.dcm[span] = real + rate / self._omega
+        _divergent(np.asarray(self._share @ placed[2]), self._dt, self._omega, r.dcm[span])
         r.torque[span] = hinge_torques(self._chains, placed, ankles, weight, self._dt)
 
 

@@ -20,7 +20,7 @@ from .camera import Intrinsics
 from .model import Model, default, unpacked
 from .segmentation import Foreground
 from .tracking import Person
-from .votes import Votes, yaw_votes
+from .votes import LEAST_VOTES, Votes, yaw_votes
 
 MOST_PERSONS = 6
 """A Kinect v2 follows six; who comes later is not tracked."""
@@ -63,12 +63,13 @@ def shares(counts: Array, wanted: int) -> Array:
 
 
 @njit(cache=True)
-def _join_hands(joints: Array, support: Array) -> None:
+def _join_hands(joints: Array, support: Array, agree: Array) -> None:
     """Hands that touch show each only half of their surface: where one is seen, so is the other."""
     for k in range(len(joints)):
         for left, right in tracking.HANDS:
             if tracking.near(joints[k, left], joints[k, right], tracking.TOUCH_M):
                 support[k, left] = support[k, right] = max(support[k, left], support[k, right])
+                agree[k, left] = agree[k, right] = agree[k, left] + agree[k, right]
 
 
 class SkeletonEstimator:
@@ -174,15 +175,15 @@ class SkeletonEstimator:
             row[2], row[4], row[5] = person.width, math.cos(person.yaw_rad), math.sin(person.yaw_rad)
         prior = np.array([person.joints for person in persons])
         taken = shares(body[:, 0], VOTING)
-        joints, support = self._votes.joints(self._scene, taken, fx, rows, prior)
-        _join_hands(joints, support)
+        joints, support, agree = self._votes.joints(self._scene, taken, fx, rows, prior)
+        _join_hands(joints, support, agree)
         cells = anchoring.gathered(self._scene, prior, scales)
         for k, person in enumerate(persons):
             if surface[k] < LEAST_M2 or self._half_out(*body[k, 1:3]):
                 person.lose(interval_s)
                 continue
-            seen = (support[k] > self._model.support) & np.isfinite(joints[k, :, 0])
-            person.hold(joints[k], seen, interval_s)
+            seen = (support[k] > self._model.support) & (agree[k] >= LEAST_VOTES) & np.isfinite(joints[k, :, 0])
+            person.hold(joints[k], seen, agree[k] > 0.0, interval_s)
             person.see(joints[k], seen, self._model, interval_s)
             voted = np.where(seen[:, None], joints[k], np.nan)
             person.anchor(cells[k], prior[k], voted, anchoring.LEAST_M2 / pixel_m2[k], interval_s)

@@ -19,7 +19,7 @@ from .forest import EXTRAS, LEAF, Leaves, Nodes, descend, extras
 from .model import MILLI, SPREAD_M, Unpacked
 from .segmentation import Foreground, Image, Owners, Pixels, Points
 
-BANDWIDTHS_M = (0.22, 0.09, 0.05)
+BANDWIDTHS_M = np.array([0.22, 0.09, 0.05])
 """Of the mean shift, one for every step (assumed)."""
 FAR = 9.0
 """Votes beyond three bandwidths, here squared, are not looked at."""
@@ -31,12 +31,20 @@ LOOSE_M = 0.15
 """Votes with a larger spread are not worth their time (assumed)."""
 FIRST_M = 0.12
 """Votes with a larger spread do not say where to begin (assumed)."""
-LIMB_M, LIMB_SHARE = (0.20, 0.15), 4
+LIMB_M, LIMB_SHARE = (0.20, 0.15), 16
 """A point so far beside the trunk, or before it, is a limb's; so many times more of these vote (assumed)."""
+LEAST_VOTES = 4
+"""Fewer votes than these say nothing of an arm: they are one stray pixel's (measured: of hands that were tracked more
+than 15 cm off, nine in ten had one or two, of those well found one in twenty had less than four)."""
+AGREE = 4.0
+"""Votes within two bandwidths, here squared, agree."""
+STAY = 2.0
+"""An arm's joint is looked for at its prediction, too; elsewhere so many times the weight must agree (assumed)."""
 MOST = 4000
 """Room for so many votes for one joint of one person; more are not counted. Not a power of two: a cache would have a
 single place for the votes of all joints."""
 
+_ARM = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb")) for name in JOINTS])
 Floats = NDArray[np.float32]
 _SPREADS_M = SPREAD_M * np.arange(256)
 _WEIGHTS = ((_SPREADS_M**2 + FLOOR_SPREAD_M**2) ** -2).astype(np.float32)
@@ -152,11 +160,11 @@ def _cast_votes(
 
 @njit(cache=True, error_model="numpy", fastmath=True)
 def _pull(votes: Floats, n: int, joint: Array, wide_m: float, pull: Array) -> None:
-    """Write what the votes near a joint pull it by, their weight, and that of the sure ones."""
+    """Write what the votes near a joint pull it by, their weight, that of sure ones, and how many of these agree."""
     a, b, c = np.float32(joint[0]), np.float32(joint[1]), np.float32(joint[2])
     per = np.float32(1.0 / (wide_m * wide_m))
-    one, far, none = np.float32(1.0), np.float32(FAR), np.float32(0.0)
-    dx = dy = dz = total = sure = none
+    one, far, near, none = np.float32(1.0), np.float32(FAR), np.float32(AGREE), np.float32(0.0)
+    dx = dy = dz = total = sure = agree = none
     for i in range(n):
         x, y, z = votes[X, i] - a, votes[Y, i] - b, votes[Z, i] - c
         away = (x * x + y * y + z * z) * per
@@ -167,19 +175,35 @@ def _pull(votes: Floats, n: int, joint: Array, wide_m: float, pull: Array) -> No
         dz += weight * z
         total += weight
         sure += votes[SURE, i] * kernel
-    pull[0], pull[1], pull[2], pull[3], pull[4] = dx, dy, dz, total, sure
+        agree += one if away < near and votes[SURE, i] > none else none
+    pull[0], pull[1], pull[2], pull[3], pull[4], pull[5] = dx, dy, dz, total, sure, agree
+
+
+@njit(cache=True, error_model="numpy")
+def _shift(votes: Floats, n: int, joint: Array, scale: float, first: int, pull: Array) -> None:
+    """Mean shift of one joint, from the bandwidth of that number on; ``pull`` is that of the last step."""
+    for step in range(first, len(BANDWIDTHS_M)):
+        _pull(votes, n, joint, BANDWIDTHS_M[step] * scale, pull)
+        if pull[3] > 0.0:
+            joint += pull[:3] / pull[3]
 
 
 @njit(cache=True, error_model="numpy")
 def _agree(
-    cast: Floats, many: IntArray, first: Array, persons: Floats, prior: Array, joints: Array, support: Array
-) -> None:
-    """Mean shift of every joint, from half way between the sure votes' mean and the prediction, if there are both."""
-    pull, votes = np.zeros(5), np.empty((5, MOST), np.float32)
+    cast: Floats, many: IntArray, first: Array, persons: Floats, prior: Array, joints: Array, support: Array,
+    agree: Array,
+) -> None:  # fmt: skip
+    """Mean shift of every joint, from half way between the sure votes' mean and the prediction, if there are both.
+
+    That of an arm begins at the prediction, too, and stays there unless much more speaks for the other place: a hand
+    shows few pixels, and one of another limb's that takes itself for it is soon the only one.
+    """
+    pull, there, votes = np.zeros(6), np.zeros(6), np.empty((5, MOST), np.float32)
+    here = np.zeros(3)
     for row in range(len(many)):
         k, j = row // len(JOINTS), row % len(JOINTS)
         joint = joints[k, j]
-        joint[:] = prior[k, j]
+        joint[:] = here[:] = prior[k, j]
         if first[row, 3] > 0.0:
             known = 0.0 if math.isnan(joint[0]) else 0.5
             for c in range(3):
@@ -190,11 +214,15 @@ def _agree(
         for n in range(many[row]):
             for c in range(5):
                 votes[c, n] = cast[row, n, c]
-        for wide_m in BANDWIDTHS_M:
-            _pull(votes, many[row], joint, wide_m * persons[k, 3], pull)
-            if pull[3] > 0.0:
-                joint += pull[:3] / pull[3]
-        support[k, j] = pull[4]
+        _shift(votes, many[row], joint, persons[k, 3], 0, pull)
+        if _ARM[j] and not math.isnan(here[0]):
+            there[:] = pull
+            _shift(votes, many[row], here, persons[k, 3], 1, pull)
+            if there[5] >= LEAST_VOTES and there[4] > pull[4] * (STAY if pull[5] >= LEAST_VOTES else 0.0):
+                pull[:] = there
+            else:
+                joint[:] = here
+        support[k, j], agree[k, j] = pull[4], pull[5]
 
 
 class Votes:
@@ -209,7 +237,9 @@ class Votes:
         self._model = model
         self._cast = np.empty((most * len(JOINTS), MOST, 5), np.float32)
 
-    def joints(self, scene: Foreground, shares: Array, fx: float, persons: Array, prior: Array) -> tuple[Array, Array]:
+    def joints(
+        self, scene: Foreground, shares: Array, fx: float, persons: Array, prior: Array
+    ) -> tuple[Array, Array, Array]:
         """Find the joints of all persons.
 
         Args:
@@ -220,8 +250,8 @@ class Votes:
             prior: (P, 25, 3) predicted joints as points, NaN where nothing is known [m].
 
         Returns:
-            (P, 25, 3) joints as points, NaN where neither a vote nor the prediction says anything [m], and (P, 25)
-            the weight of the votes that agree.
+            (P, 25, 3) joints as points, NaN where neither a vote nor the prediction says anything [m]; (P, 25) the
+            weight of the votes that agree, and how many they are.
         """
         m, rows = self._model, len(persons) * len(JOINTS)
         many, first = np.zeros(rows, np.int64), np.zeros((rows, 4))
@@ -230,6 +260,6 @@ class Votes:
             m.nodes, m.roots, m.votes, scene.image, scene.pixel, scene.point, scene.owner, scene.count, shares,
             np.float32(fx), rough, self._cast, many, first,
         )  # fmt: skip
-        joints, support = np.empty(prior.shape), np.zeros(prior.shape[:2])
-        _agree(self._cast, many, first, rough, prior, joints, support)
-        return joints, support
+        joints, support, agree = np.empty(prior.shape), np.zeros(prior.shape[:2]), np.zeros(prior.shape[:2])
+        _agree(self._cast, many, first, rough, prior, joints, support, agree)
+        return joints, support, agree

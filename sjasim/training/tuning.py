@@ -22,7 +22,7 @@ from .scenes import Scene
 
 GOOD_M = 0.12
 """A joint nearer than this to the truth had better be tracked."""
-FALSE_COST = 0.3
+FALSE_COST = 0.1
 """Cost of tracking a joint that is not there, over that of not tracking one that is."""
 RIDGE = 0.3
 POSTURE_M, POSTURE_YAW_RAD = 0.02, 0.1
@@ -70,7 +70,7 @@ def estimate(scenes: Iterable[tuple[Mount, Scene]], model: Model, seed: int, nam
     fx = watcher.intrinsics.fx
     for mount, scene in scenes:
         seen = watcher.see(mount, scene)
-        joints, support = votes.joints(seen.scene, shares(seen.counts, VOTING), fx, seen.persons, seen.prior)
+        joints, support, _ = votes.joints(seen.scene, shares(seen.counts, VOTING), fx, seen.persons, seen.prior)
         enough = seen.counts * seen.joints[:, _BASE, 2] ** 2 > LEAST_M2 * fx * fx
         for k in np.flatnonzero(enough & np.isfinite(joints).all(axis=(1, 2))):
             rows.append((joints[k], support[k], seen.joints[k], seen.persons[k], seen.yaw_rad[k]))
