@@ -6,10 +6,12 @@ neither MuJoCo nor rerun.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import importlib
 import os
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -70,6 +72,22 @@ def _pick_gl() -> None:
     os.environ["MUJOCO_GL"] = "disable"
 
 
+def _forget_stale(*places: Path) -> None:
+    """Drop compiled functions that are older than the newest source of any.
+
+    Numba sees when a function's own file has changed, not when one has that holds what it calls: after an update of
+    the sources the old code would go on being called, without a word.
+    """
+    kept = [index for place in places for index in place.rglob("*.nbi")]
+    written = (path for place in places for path in place.rglob("*.py")) if kept else ()
+    sources = (path for path in written if b"@njit" in path.read_bytes())
+    newest_s = max((path.stat().st_mtime for path in sources), default=0.0)
+    with contextlib.suppress(OSError):  # who may not write there has no caches of their own there either
+        for index in kept:
+            if index.stat().st_mtime < newest_s:
+                index.unlink(missing_ok=True)
+
+
 def _register_environments() -> None:
     """Make the Gymnasium ids known; from a clone that is not installed they are found beside the package."""
     try:
@@ -83,4 +101,6 @@ def _register_environments() -> None:
 
 
 _pick_gl()
+_here = Path(__file__).parent
+_forget_stale(_here, _here.parent / "sjasim_envs", _here.parent / "envs")
 _register_environments()
