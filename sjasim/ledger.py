@@ -12,7 +12,6 @@ from .assets.names import JOINT_INDEX, JOINTS
 from .choreography.layout import Mount
 from .types import Array, BoolArray, DancerStates, IntArray, Skeletons
 
-T = TypeVar("T")
 K = TypeVar("K", bound=np.generic)
 
 FELT = 36
@@ -36,7 +35,8 @@ _HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "
 class Ledger:
     """What truly happened: states and odometry, and the joints at frame rate.
 
-    While the session goes on everything is only kept, as it comes; the columns are made when somebody asks.
+    While the session goes on everything is only kept, as it comes, in lists side by side: a tuple for each tick would
+    keep Python's collector of cycles busy. The columns are made when somebody asks.
 
     Args:
         weight_n: (D,) the dancers' weights [N].
@@ -54,12 +54,19 @@ class Ledger:
         self._every = every
         self._fell_s = np.full(len(weight_n), np.inf)
         self.states = np.full((rows, len(weight_n), FELT), 0.0)
-        self._ticks: list[tuple[float, int]] = []
+        self._t_s: list[float] = []
+        self._frame_of: list[int] = []
         self._until_next = 0
         self.rides = np.full((rows, len(ODOMETRY_COLUMNS)), 0.0)
         self._ridden = 0
-        self._frames: list[tuple[Array, BoolArray | None, IntArray]] = []
-        self._estimates: list[tuple[int, Skeletons, IntArray, Mount]] = []
+        self._joints: list[Array] = []
+        self._seen: list[BoolArray | None] = []
+        self._seen_dancers: list[IntArray] = []
+        self._estimated: list[int] = []
+        self._estimates: list[Array] = []
+        self._states: list[NDArray[np.int8]] = []
+        self._estimated_dancers: list[IntArray] = []
+        self._mounts: list[Mount] = []
 
     def ride(self) -> int:
         """One odometry sample: its row of `rides`."""
@@ -76,7 +83,9 @@ class Ledger:
             visible: (P, 25) what the sensor that is faced could see; None if it does not watch.
             dancers: (P,) the dancer behind each of its rows, -1 for nobody.
         """
-        self._frames.append((joints_m, visible, dancers))
+        self._joints.append(joints_m)
+        self._seen.append(visible)
+        self._seen_dancers.append(dancers)
 
     def estimate(self, skeletons: Skeletons, dancers: IntArray, mount: Mount) -> None:
         """What the active client saw in the frame that `see` is about to take; the ledger keeps the arrays themselves.
@@ -86,7 +95,11 @@ class Ledger:
             dancers: (P,) who they are of; -1 for nobody.
             mount: where the sensor is.
         """
-        self._estimates.append((len(self._frames), skeletons, dancers, mount))
+        self._estimated.append(len(self._joints))
+        self._estimates.append(skeletons.joints)
+        self._states.append(skeletons.state)
+        self._estimated_dancers.append(dancers)
+        self._mounts.append(mount)
 
     def tick(self, now: float) -> int:
         """One control tick: the row of `states` that what is felt at it belongs in, -1 for one that is not kept."""
@@ -94,10 +107,11 @@ class Ledger:
             self._until_next -= 1
             return -1
         self._until_next = self._every - 1
-        row = len(self._ticks)
+        row = len(self._t_s)
         if row == len(self.states):
             self.states = _doubled(self.states)
-        self._ticks.append((now, len(self._frames)))
+        self._t_s.append(now)
+        self._frame_of.append(len(self._joints))
         return row
 
     def fall(self, now: float, dancer: int) -> None:
@@ -106,9 +120,8 @@ class Ledger:
 
     def truth(self) -> dict[str, NDArray[np.generic]]:
         """The truth as columns."""
-        stamps = np.array(self._ticks).reshape(-1, 2)
-        t_s, frame = stamps[:, :1], np.maximum(stamps[:, 1].astype(np.int64) - 1, 0)
-        states = self.states[: len(stamps)]
+        t_s, frame = np.array(self._t_s)[:, None], np.maximum(np.array(self._frame_of, dtype=np.int64) - 1, 0)
+        states = self.states[: len(t_s)]
         shape = states.shape[:2]
         of = DancerStates(states.reshape(-1, states.shape[2]))
         visible = self._visible()
@@ -135,17 +148,16 @@ class Ledger:
 
     def joints(self) -> NDArray[np.float32]:
         """(F, D, 25, 3) true joints at frame rate [m]."""
-        shape = (len(self._frames), len(self._weight), len(JOINTS), 3)
-        return np.array([joints for joints, _, _ in self._frames], dtype=np.float32).reshape(shape)
+        shape = (len(self._joints), len(self._weight), len(JOINTS), 3)
+        return np.array(self._joints, dtype=np.float32).reshape(shape)
 
     def skeletons(self) -> NDArray[np.float32]:
         """(F, D, 25, 4) world positions that the active client saw of them [m], and each joint's tracking state."""
-        out = np.full((len(self._frames), len(self._weight), len(JOINTS), 4), np.nan, dtype=np.float32)
-        for part in _alike(self._estimates, [dancers for _, _, dancers, _ in self._estimates]):
-            _, _, dancers, mount = part[0]
-            frames = np.array([frame for frame, _, _, _ in part])
-            local = _stacked([skeletons.joints for _, skeletons, _, _ in part])
-            state = _stacked([skeletons.state for _, skeletons, _, _ in part])
+        out = np.full((len(self._joints), len(self._weight), len(JOINTS), 4), np.nan, dtype=np.float32)
+        for part in _alike(self._estimated_dancers):
+            dancers, mount = self._estimated_dancers[part[0]], self._mounts[part[0]]
+            frames = np.array([self._estimated[k] for k in part])
+            local, state = _stacked([self._estimates[k] for k in part]), _stacked([self._states[k] for k in part])
             x, y, z = local[..., 0], local[..., 1], local[..., 2]
             rows = np.flatnonzero(dancers >= 0)
             for k, (right, up, ahead) in enumerate(mount.world_from_sensor):  # matmul takes four times as long
@@ -158,12 +170,13 @@ class Ledger:
 
     def _visible(self) -> Array:
         """(F, D, 25) 1 for what could be seen in each frame, 0 for what could not; NaN where nobody watched."""
-        out = np.full((max(len(self._frames), 1), len(self._weight), len(JOINTS)), np.nan)
-        watched = [(index, frame[1], frame[2]) for index, frame in enumerate(self._frames) if frame[1] is not None]
-        for part in _alike(watched, [dancers for _, _, dancers in watched]):
-            frames = np.array([index for index, _, _ in part])
-            visible = _stacked([visible for _, visible, _ in part])
-            dancers = part[0][2]
+        out = np.full((max(len(self._joints), 1), len(self._weight), len(JOINTS)), np.nan)
+        for part in _alike(self._seen_dancers):
+            dancers = self._seen_dancers[part[0]]
+            watched = [(k, visible) for k in part if (visible := self._seen[k]) is not None]
+            if not watched:
+                continue
+            frames, visible = np.array([k for k, _ in watched]), _stacked([visible for _, visible in watched])
             out[frames] = 0.0
             for row in np.flatnonzero(dancers >= 0):
                 out[frames, dancers[row]] = visible[:, row]
@@ -180,9 +193,9 @@ def _stacked(arrays: Sequence[NDArray[K]]) -> NDArray[K]:
     return np.concatenate(arrays).reshape(len(arrays), *arrays[0].shape)
 
 
-def _alike(items: Sequence[T], keys: Sequence[object]) -> list[list[T]]:
-    """The items in groups with the very same key; they come in order."""
-    groups: dict[int, list[T]] = {}
-    for item, key in zip(items, keys, strict=True):
-        groups.setdefault(id(key), []).append(item)
+def _alike(keys: Sequence[object]) -> list[list[int]]:
+    """Places of the very same key, in order, key by key."""
+    groups: dict[int, list[int]] = {}
+    for place, key in enumerate(keys):
+        groups.setdefault(id(key), []).append(place)
     return list(groups.values())

@@ -73,7 +73,9 @@ def following(config: SessionConfig) -> Following:
     return Following(since, options.get("edges", "none") == "none", tau_s)
 
 
-def together(events: Events, config: SessionConfig, timetable: Timetable) -> list[Togetherness]:
+def together(
+    events: Events, config: SessionConfig, timetable: Timetable, until: int | None = None
+) -> list[Togetherness]:
     """Measure every danced iteration.
 
     Args:
@@ -81,6 +83,7 @@ def together(events: Events, config: SessionConfig, timetable: Timetable) -> lis
             the first most synchronous person.
         config: method (``none`` leaves the robot out), tau, number of dancers.
         timetable: beats.
+        until: the last iteration that is measured; that of the timetable if None.
     """
     cast = [dancer_name(index) for index in range(config.group)]
     agents = cast if config.method == "none" else [*cast, ROBOT]
@@ -88,7 +91,7 @@ def together(events: Events, config: SessionConfig, timetable: Timetable) -> lis
     rule = following(config)
     chosen, before = cast[0], None
     rows: list[Togetherness] = []
-    for iteration in range(timetable.first, timetable.last + 1):
+    for iteration in range(timetable.first, (timetable.last if until is None else until) + 1):
         series = _series(events, agents, iteration, timetable.start_s(iteration))
         dancers = {name: series[name] for name in cast}
         msp = most_synchronous(dancers, before, rule.tau_s).person

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from ..assets.names import JOINTS
 from ..choreography.layout import Mount
 from ..config import SensorConfig
+from ..memory import Memory
 from ..registry import register
-from ..types import Array, BoolArray, IntArray, Skeletons, StageView
+from ..types import Array, BoolArray, IntArray, Skeletons, Solids, StageView
 from .sight import BIAS, BLEND, DRIFT, ERRORS, EYE, FACTOR, FRESH, HIDDEN, KEPT, PLACE, RANGE, SLOPES, observe
 
 T = TypeVar("T", bound=np.generic)
@@ -76,9 +77,13 @@ class JointsSensing:
         self._errors[:, :, DRIFT:FACTOR] = config.drift_m * self._normal()
         self._errors[:, :, HIDDEN] = np.where(_ARM, config.hidden_factor_hand, config.hidden_factor)
         self._errors[:, :, BLEND] = 1.0  # at first they are as that sight leaves them
+        self._solids: Solids | None = None
+        self._around = Memory()
         self._t_s = -math.inf
         self._frames = 0
-        self._room = _Room(np.zeros((1, *self._shape, 3)))
+        self._noise = np.zeros((_BLOCK_FRAMES, group * len(JOINTS), 3))
+        self._own = Memory(self.dancers, self._eye, self._errors, self._noise)
+        self._room = _Room(1, group)
 
     def sample(self, view: StageView) -> Skeletons | None:
         """See the stage at this instant.
@@ -98,10 +103,13 @@ class JointsSensing:
             if frames != self._frames:
                 self._pace(frames)
             if not self._room.left:
-                self._room = _Room(self._normal(_BLOCK_FRAMES))
-        room = self._room
+                self._draws.standard_normal(out=self._noise)
+                self._room = _Room(_BLOCK_FRAMES, len(self.dancers))
+        solids, room = view.solids, self._room
+        if solids is not self._solids:
+            self._solids, self._around = solids, Memory(*solids)
         room.left = frame = room.left - 1
-        observe(view.joints_m, self.dancers, *view.solids, self._eye, self._errors, *room.arrays, frame)
+        observe(view.joints_m, self._around.table, self._own.table, *room.arrays, frame)
         visible, joints, state = room.told
         self.visible = visible[frame]
         return Skeletons(self._persons, joints[frame], state[frame])
@@ -114,30 +122,31 @@ class JointsSensing:
         blend_s = np.where(_ARM, HAND_BLEND_S, TORSO_BLEND_S)
         self._errors[:, :, BLEND] = 1.0 - np.exp(-frames / self._config.rate_hz / blend_s)
 
-    def _normal(self, *frames: int) -> Array:
-        """(*frames, P, 25, 3) unit white noise."""
-        return self._draws.standard_normal((*frames, *self._shape, 3))
+    def _normal(self) -> Array:
+        """(P, 25, 3) unit white noise."""
+        return self._draws.standard_normal((*self._shape, 3))
 
 
 class _Room:
     """Where frames are written to, from the last to the first, and the same for whoever is told of them.
 
     Args:
-        noise: (F, P, 25, 3) unit white noise of as many frames.
+        frames: how many.
+        group: number of persons.
 
     Attributes:
         left: how many frames are not written yet.
-        arrays: noise; what is visible, joints and states.
-        told: the last three, not to be written.
+        arrays: what is visible, joints and states.
+        told: the same, not to be written.
     """
 
     __slots__ = ("arrays", "left", "told")
 
-    def __init__(self, noise: Array) -> None:
-        self.left = len(noise)
-        shape = noise.shape[:-1]
-        visible, joints, state = np.empty(shape, bool), np.empty(noise.shape), np.empty(shape, np.int8)
-        self.arrays = noise, visible, joints, state
+    def __init__(self, frames: int, group: int) -> None:
+        self.left = frames
+        shape = (frames, group, len(JOINTS))
+        visible, joints, state = np.empty(shape, bool), np.empty((*shape, 3)), np.empty(shape, np.int8)
+        self.arrays = visible, joints, state
         self.told = _frozen(visible), _frozen(joints), _frozen(state)
 
 

@@ -7,6 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
+from ..memory import cube, index_rows, indices, matrix, vector
 from ..rays.hiding import COLUMNS, hide, outlines
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array, BoolArray, IntArray
 
@@ -33,33 +34,31 @@ TORSO = np.array([JOINT_INDEX[name] for name in _TORSO_NAMES])
 
 @njit(cache=True, error_model="numpy")
 def observe(
-    truth: Array, dancers: IntArray, rows: IntArray, shape: Array, position: Array, rotation: Array, eye: Array,
-    errors: Array, noise: Array, visible: BoolArray, joints: Array, state: NDArray[np.int8], frame: int,
+    truth: Array, around: IntArray, own: IntArray, visible: BoolArray, joints: Array, state: NDArray[np.int8],
+    frame: int,
 ) -> None:  # fmt: skip
     """Write every person's joints with their errors, and their states; NaN where a joint is not tracked.
 
     Args:
         truth: (D, J, 3) world points [m].
-        dancers: (P,) who is behind each person.
-        rows: what can hide a joint: of `types.Solids`, as the next three.
-        shape: sizes and what bounds them.
-        position: centres [m].
-        rotation: world from solid.
-        eye: (`EYE`,) rotation into the sensor's frame, row-major, and the rest.
-        errors: (P, J, `ERRORS`) moved on.
-        noise: (F, P, J, 3) unit white noise.
+        around: a `Memory` of the four arrays of `types.Solids`.
+        own: a `Memory` of the sensor's: (P,) who is behind each person; the eye's numbers, (`EYE`,); everybody's
+            errors, (P, J, `ERRORS`), moved on; unit white noise, (F, P J, 3).
         visible: (F, P, J) output, in view and not hidden.
         joints: (F, P, J, 3) output, in the sensor's frame [m].
         state: (F, P, J) output.
         frame: which of the F frames to write.
     """
+    rows, shape, position, rotation = index_rows(around, 0), matrix(around, 1), matrix(around, 2), matrix(around, 3)
+    dancers, eye, errors, noise = indices(own, 0), vector(own, 1), cube(own, 2), cube(own, 3)
     seen = np.empty((len(rows), COLUMNS))
     outlines(eye, rows, shape, position, rotation, seen)
+    each = truth.shape[1]
     for p in range(len(dancers)):
         dancer, body, mark = dancers[p], joints[frame, p], visible[frame, p]
         in_view = _locate(truth[dancer], eye, body, mark)
         hide(body, dancer, FLESH_M, rows, shape, seen, mark)
-        _age(errors[p], mark, eye[KEPT], eye[FRESH], noise[frame, p])
+        _age(errors[p], mark, eye[KEPT], eye[FRESH], noise[frame, p * each : (p + 1) * each])
         _tell(errors[p], in_view, mark, body, state[frame, p])
 
 

@@ -61,6 +61,8 @@ LEARN_S, LEARN_SPIN_RAD_S = 1.5, 0.4
 them; at this rate a patch counts half (assumed)."""
 TOUCH_M, CLASP_S = 0.16, 0.4
 """Hands that were seen closer than this hide each other, and are known for so long all the same (assumed)."""
+ASIDE_M = 0.17
+"""Hands do not meet so far beside the trunk's middle: what looks like both is the hand of that side (assumed)."""
 MEET_M, CLOSING = 0.22, 0.7
 """Tracked hands so near are about to touch; of what lies between them so much is left a frame later (assumed)."""
 HOLD_S, WEAK_S, HOLD_M = 0.08, 0.4, 0.15
@@ -102,14 +104,19 @@ def near(one: Array, other: Array, limit_m: float) -> bool:
 
 @njit(cache=True)
 def _hold(
-    joints: Array, before: Array, state: NDArray[np.int8], weak: posture.Seen, interval_s: float, unseen_s: Array,
-    seen: posture.Seen,
+    joints: Array, before: Array, state: NDArray[np.int8], weak: posture.Seen, yaw_rad: float, interval_s: float,
+    unseen_s: Array, seen: posture.Seen,
 ) -> None:  # fmt: skip
     """See `Person.hold`; ``before`` are the joints as predicted."""
+    cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
     limit_s, twin = np.full(len(seen), HOLD_S), np.full(len(seen), -1)
     for left, right in HANDS:
         known = state[left] == state[right] == TRACKED
-        if near(joints[left], joints[right], TOUCH_M) or (known and near(before[left], before[right], MEET_M)):
+        middle = 0.5 * (joints[left] + joints[right]) - before[_MID]
+        aside = sin * middle[2] - cos * middle[0]
+        if abs(aside) > ASIDE_M and near(joints[left], joints[right], TOUCH_M):
+            seen[right if aside > 0.0 else left] = weak[right if aside > 0.0 else left] = False
+        elif near(joints[left], joints[right], TOUCH_M) or (known and near(before[left], before[right], MEET_M)):
             limit_s[left] = limit_s[right] = CLASP_S
             twin[left], twin[right] = right, left
     for j in range(len(seen)):
@@ -273,16 +280,16 @@ class Person:
         """Count joints as seen that lack support for a moment only, and hands that touch for longer; none that leaps.
 
         Hands that touch hide each other's surface, and neither goes far: one that is not found is beside the other.
-        What was here a moment ago and is found somewhere else altogether is not there, but hidden, and something
-        else looks like it.
+        None meets the other beside a hip. What was here a moment ago and is found somewhere else altogether is not
+        there, but hidden, and something else looks like it.
 
         Args:
             joints: (25, 3) where votes agree.
             seen: (25,) which of them are supported; changed in place.
-            weak: (25,) for which of them there is a vote at all.
+            weak: (25,) for which of them there is a vote at all; changed in place.
             interval_s: since the last frame.
         """
-        _hold(joints, self.joints, self.state, weak, interval_s, self.unseen_s, seen)
+        _hold(joints, self.joints, self.state, weak, self.yaw_rad, interval_s, self.unseen_s, seen)
 
     def see(self, joints: Array, seen: posture.Seen, model: Unpacked, interval_s: float) -> None:
         """Take in a frame's joints.

@@ -42,11 +42,12 @@ class ClockSync:
     Until the first exchange it is unlocked and a device time means nothing.
     """
 
-    __slots__ = ("_best", "_drift", "_mean", "_offset_s", "_origin_s", "_recent", "_round_trip_s")
+    __slots__ = ("_best", "_drift", "_mean", "_offset_s", "_origin_s", "_quickest", "_recent", "_round_trip_s")
 
     def __init__(self) -> None:
         self._best: deque[Sample] = deque(maxlen=KEPT)
         self._recent: list[Sample] = []
+        self._quickest: Sample = (0.0, 0.0, math.inf)
         self._origin_s = 0.0
         self._offset_s = 0.0
         self._drift = 0.0
@@ -101,14 +102,17 @@ class ClockSync:
             self._recent.clear()
             self._drift = 0.0
         sample = (middle, offset, delay)
+        quicker = not self._recent or delay < self._quickest[2]
         self._recent.append(sample)
-        if len(self._best) < FEW or sample is min(self._recent, key=_delay):
+        if quicker:
+            self._quickest = sample
+        if quicker or len(self._best) < FEW:
             self._fit()
         mean_t, mean_o = self._mean
         self._origin_s = middle
         self._offset_s = mean_o + self._drift * (middle - mean_t)
         if len(self._recent) >= BUCKET:
-            self._best.append(min(self._recent, key=_delay))
+            self._best.append(self._quickest)
             self._recent.clear()
         return jump
 
@@ -122,10 +126,8 @@ class ClockSync:
 
     def _fit(self) -> None:
         """Least squares through the quickest exchanges; a slow one weighs little, its error being larger."""
-        samples = [*self._best, min(self._recent, key=_delay)]
-        if len(self._best) < FEW:
-            samples = [*self._best, *self._recent]
-        quickest = min(map(_delay, samples))
+        samples = [*self._best, *(self._recent if len(self._best) < FEW else (self._quickest,))]
+        quickest = min([delay for _, _, delay in samples])
         weight = mean_t = mean_o = 0.0
         weights = []
         for time, offset, delay in samples:
@@ -146,7 +148,3 @@ class ClockSync:
         self._drift = drift
         self._mean = mean_t, mean_o
         self._round_trip_s = quickest
-
-
-def _delay(sample: Sample) -> float:
-    return sample[2]

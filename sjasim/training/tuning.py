@@ -22,7 +22,7 @@ from .scenes import Scene
 
 GOOD_M = 0.12
 """A joint nearer than this to the truth had better be tracked."""
-FALSE_COST = 0.3
+FALSE_COST = 0.1
 """Cost of tracking a joint that is not there, over that of not tracking one that is."""
 RIDGE = 0.3
 POSTURE_M, POSTURE_YAW_RAD = 0.02, 0.1

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from sjasim.assets.names import JOINT_INDEX
 from sjasim.sensors import posture, tracking
 from sjasim.sensors.model import default, unpacked
 from sjasim.sensors.tracking import Person, found_again, without_doubles
@@ -140,7 +141,8 @@ def test_hands_that_touch_stay_known_for_a_while_and_hands_apart_do_not():
     left, right = tracking.HANDS.T
     for gap_m, held in ((0.06, True), (0.40, False)):
         one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
-        joints[right] = joints[left] + [gap_m, 0.0, 0.0]
+        joints[left] = joints[1] + [0.5 * gap_m, 0.1, -0.3]
+        joints[right] = joints[left] - [gap_m, 0.0, 0.0]
         step(one, joints)
         for _ in range(6):
             step(one, joints)
@@ -151,6 +153,47 @@ def test_hands_that_touch_stay_known_for_a_while_and_hands_apart_do_not():
             step(one, joints, counted)
             known = (tick + 1) * DT_S - 1e-9 < (tracking.CLASP_S if held else tracking.HOLD_S)
             assert counted[left].all() == counted[right].all() == known
+
+
+def held(joints: np.ndarray, seen: np.ndarray, one: Person) -> np.ndarray:
+    counted = seen.copy()
+    one.hold(joints, counted, np.zeros(25, dtype=bool), DT_S)
+    return counted
+
+
+def test_a_joint_that_leaps_is_not_believed_until_it_stays_there():
+    hand = JOINT_INDEX["HandLeft"]
+    one, joints = person(), standing(0.0, 3.0)
+    joints[hand] += [0.0, 0.5, 0.0]
+    believed = [bool(held(joints, ALL, one)[hand]) for _ in range(6)]
+    assert not any(believed[: int(tracking.LEAP_S / DT_S) - 1])
+    assert any(believed)
+
+
+@pytest.mark.parametrize("yaw_rad", [0.0, 1.5, -1.5])
+def test_hands_found_together_beside_a_hip_are_the_hand_of_that_side(yaw_rad: float):
+    left, right = tracking.HANDS.T
+    one, joints = person(yaw_rad=yaw_rad), standing(0.0, 3.0, yaw_rad)
+    joints[right] = joints[left] + [0.02, 0.0, 0.0]
+    one.joints = joints.copy()
+    for _ in range(4):
+        counted = held(joints, ALL, one)
+    assert counted[left].all()
+    assert not counted[right].any()
+
+
+def test_a_hand_hidden_as_two_meet_is_beside_the_other():
+    left, right = tracking.HANDS.T
+    one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
+    joints[left] = joints[1] + [0.08, 0.1, -0.3]
+    joints[right] = joints[left] - [0.15, 0.0, 0.0]
+    one.joints = joints.copy()
+    found = joints.copy()
+    found[right] += [0.0, -0.6, 0.0]
+    seen[right] = False
+    counted = held(found, seen, one)
+    assert counted[right].all()
+    assert found[left] - found[right] == pytest.approx(tracking.CLOSING * (joints[left] - joints[right]))
 
 
 def test_a_hand_with_too_few_votes_stays_known_for_longer_but_not_elsewhere():
