@@ -57,8 +57,8 @@ sensor sees at the side are arms that swing and flanks that pass (assumed)."""
 ANCHOR_S = 0.03
 """Time constant with which a joint leaves its predicted motion for its patch's (assumed)."""
 LEARN_S, LEARN_SPIN_RAD_S = 1.5, 0.4
-"""Time constant with which votes correct a patch: shorter the faster the person turns, who shows another side of them
-(assumed)."""
+"""Time constant with which votes correct a patch: shorter the faster the person turns, who shows another side of
+them; at this rate a patch counts half (assumed)."""
 TOUCH_M, CLASP_S = 0.16, 0.4
 """Hands that were seen closer than this hide each other, and are known for so long all the same (assumed)."""
 ASIDE_M = 0.17

@@ -15,11 +15,12 @@ from sjasim.clock import stream
 from sjasim.config import SensorConfig
 from sjasim.errors import SjasimError
 from sjasim.registry import resolve
+from sjasim.sensors import posture
 from sjasim.sensors.depth import DepthSensing
-from sjasim.sensors.skeleton import SkeletonEstimator
+from sjasim.sensors.skeleton import LEAST_TRUNK, SkeletonEstimator
 from sjasim.training import report
 from sjasim.training.trials import Outcome, Trial, perform, run, stage_dance
-from sjasim.types import NOT_TRACKED
+from sjasim.types import INFERRED, NOT_TRACKED, TRACKED
 
 
 @cache
@@ -130,6 +131,23 @@ def test_somebody_out_of_sight_is_inferred_then_not_tracked_then_forgotten():
     assert (states[5] == 1).all()
     assert (states[30] == NOT_TRACKED).all()
     assert len(states[-1]) == 0
+
+
+def test_of_somebody_nearly_hidden_only_what_is_seen_is_told():
+    depths, _ = frames()
+    watching = estimator()
+    for tick, depth in enumerate(depths):
+        before = watching.update(tick / 30, depth)
+    held = depths[-1].copy()
+    held[80:] = 0
+    for tick in range(len(depths), len(depths) + 45):
+        found = watching.update(tick / 30, held)
+    trunk = found.state[:, posture.TRUNK] == TRACKED
+    assert len(found.persons) == len(before.persons)
+    hidden = trunk.sum(axis=1) < LEAST_TRUNK
+    assert hidden.any()
+    assert np.isnan(found.joints[hidden, 0]).all()
+    assert not (found.state[hidden] == INFERRED).any()
 
 
 def test_more_than_six_are_not_all_tracked():
