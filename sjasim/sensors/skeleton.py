@@ -28,8 +28,9 @@ VOTING, TURNING = 320, 90
 """Points of a person that vote for joints and for the yaw."""
 LEAST_M2 = 0.02
 """Surface of a person that must be seen (assumed)."""
-SURE_M2 = 0.2
-"""Surface from which on the forest's yaw counts in full: a head behind a shoulder may look anywhere (assumed)."""
+AGREED = 0.25
+"""Agreement of the leaves from which on the forest's yaw counts in full: from 0, where they point everywhere, to 1, where
+all are certain of one yaw. Half hidden behind somebody, a person may look anywhere (assumed)."""
 STRANGER_M2 = 0.04
 """The same at the height of the trunk for somebody new (assumed)."""
 OBJECT_M2 = 0.01
@@ -58,6 +59,12 @@ def person_rows(body: Array, scales: Array, yaws: Array) -> Array:
         yaws: (P,) headings relative to facing the sensor [rad].
     """
     return np.stack([body[:, 1], body[:, 2], body[:, 4] / scales, scales, np.cos(yaws), np.sin(yaws)], axis=1)
+
+
+def certainty(votes: Array) -> Array:
+    """(P,) how much the forest's yaw counts, 0 to 1, by how well the leaves agree; ``votes`` (P, 3) as `yaw_votes` has."""
+    agreed = np.hypot(votes[:, 0], votes[:, 1]) / np.maximum(votes[:, 2], 1.0)
+    return np.asarray(np.minimum(agreed / AGREED, 1.0) ** 2)
 
 
 def shares(counts: Array, wanted: int) -> Array:
@@ -170,7 +177,7 @@ class SkeletonEstimator:
         pixel_m2 = self._per_pixel * places[:, 1] ** 2
         surface = body[:, 0] * pixel_m2
         turned = yaw_votes(self._scene, self._model, shares(body[:, 0], TURNING), fx, rows)
-        sure = np.minimum(surface / SURE_M2, 1.0) ** 2
+        sure = certainty(turned)
         for person, votes, row, share in zip(persons, turned, rows, sure, strict=True):
             person.turn(votes, interval_s * share)
             row[:2] = person.steady(row[:2], interval_s)

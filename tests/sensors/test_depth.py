@@ -17,7 +17,7 @@ from sjasim.errors import SjasimError
 from sjasim.registry import resolve
 from sjasim.sensors import posture
 from sjasim.sensors.depth import DepthSensing
-from sjasim.sensors.skeleton import LEAST_TRUNK, SkeletonEstimator
+from sjasim.sensors.skeleton import LEAST_TRUNK, SkeletonEstimator, certainty
 from sjasim.training import report
 from sjasim.training.trials import Outcome, Trial, perform, run, stage_dance
 from sjasim.types import INFERRED, NOT_TRACKED, TRACKED
@@ -221,3 +221,10 @@ def test_full_resolution_is_as_good():
     view, room = stage_dance(Trial(77, 4.0, width_px=512))
     outcome = perform(view, room, Trial(77, 4.0, width_px=512), 90)
     assert report.errors([outcome])["median_cm"] < 2.5
+
+
+def test_leaves_that_point_everywhere_hardly_turn_anybody():
+    agreeing, torn, silent = certainty(np.array([[120.0, 60.0, 180.0], [3.0, -4.0, 180.0], [0.0, 0.0, 0.0]]))
+    assert agreeing == 1.0
+    assert torn < 0.02
+    assert silent == 0.0
