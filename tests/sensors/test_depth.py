@@ -33,7 +33,7 @@ def test_is_registered_under_its_name():
 
 
 @pytest.mark.parametrize(
-    ("facing_deg", "median_cm", "p95_cm"), [(0.0, 2.5, 7.0), (45.0, 3.0, 16.0), (-90.0, 4.5, 30.0), (180.0, 6.0, 20.0)]
+    ("facing_deg", "median_cm", "p95_cm"), [(0.0, 1.7, 5.0), (45.0, 2.2, 8.0), (-90.0, 2.5, 12.0), (180.0, 3.5, 12.0)]
 )
 def test_skeletons_are_near_the_truth_at_any_heading(facing_deg: float, median_cm: float, p95_cm: float):
     figures = report.errors([seen(facing_deg)])
