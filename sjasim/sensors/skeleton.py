@@ -29,8 +29,8 @@ VOTING, TURNING = 320, 90
 LEAST_M2 = 0.02
 """Surface of a person that must be seen (assumed)."""
 AGREED = 0.25
-"""Agreement of the leaves from which on the forest's yaw counts in full: from 0, where they point everywhere, to 1, where
-all are certain of one yaw. Half hidden behind somebody, a person may look anywhere (assumed)."""
+"""Agreement of the leaves from which on the forest's yaw counts in full: 0 where they point everywhere, 1 where all are
+certain of one yaw. Who is half hidden may look anywhere (assumed)."""
 STRANGER_M2 = 0.04
 """The same at the height of the trunk for somebody new (assumed)."""
 OBJECT_M2 = 0.01
@@ -62,7 +62,7 @@ def person_rows(body: Array, scales: Array, yaws: Array) -> Array:
 
 
 def certainty(votes: Array) -> Array:
-    """(P,) how much the forest's yaw counts, 0 to 1, by how well the leaves agree; ``votes`` (P, 3) as `yaw_votes` has."""
+    """(P,) how much the forest's yaw counts, 0 to 1, by how well its leaves agree; of (P, 3) from `yaw_votes`."""
     agreed = np.hypot(votes[:, 0], votes[:, 1]) / np.maximum(votes[:, 2], 1.0)
     return np.asarray(np.minimum(agreed / AGREED, 1.0) ** 2)
 
