@@ -139,7 +139,7 @@ def test_of_somebody_nearly_hidden_only_what_is_seen_is_told():
     for tick, depth in enumerate(depths):
         before = watching.update(tick / 30, depth)
     held = depths[-1].copy()
-    held[80:] = 0
+    held[70:] = 0
     for tick in range(len(depths), len(depths) + 45):
         found = watching.update(tick / 30, held)
     trunk = found.state[:, posture.TRUNK] == TRACKED
