@@ -24,7 +24,7 @@ from .votes import LEAST_VOTES, Votes, yaw_votes
 
 MOST_PERSONS = 6
 """A Kinect v2 follows six; who comes later is not tracked."""
-VOTING, TURNING = 320, 90
+VOTING, TURNING = 240, 90
 """Points of a person that vote for joints and for the yaw."""
 LEAST_M2 = 0.02
 """Surface of a person that must be seen (assumed)."""
