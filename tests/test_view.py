@@ -136,10 +136,7 @@ def test_an_earlier_session_is_replaced_only_on_request(log, kept, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(
-    os.environ.get("SJASIM_VIEWER") != "1",
-    reason="opens a viewer, which needs Vulkan (Debian: mesa-vulkan-drivers); asked for by SJASIM_VIEWER=1",
-)
+@NEEDS_VIEWER
 def test_the_viewer_draws_every_view_without_a_display(kept, tmp_path):
     from sjasim.record.viewer import screenshot
 
@@ -148,10 +145,7 @@ def test_the_viewer_draws_every_view_without_a_display(kept, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(
-    os.environ.get("SJASIM_VIEWER") != "1",
-    reason="opens a viewer, which needs Vulkan (Debian: mesa-vulkan-drivers); asked for by SJASIM_VIEWER=1",
-)
+@NEEDS_VIEWER
 def test_a_live_session_reaches_a_viewer_that_only_this_machine_can_reach(log):
     import psutil
     import rerun as rr
