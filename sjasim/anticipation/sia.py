@@ -6,7 +6,7 @@ Source: iqbal2016, section III-A.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -145,7 +145,7 @@ class Sia(Scheduling):
         self._planned = intentions
         why = f"fallback: no event within {self._config.window_s:g} s of the time expected of {self._note}"
         fallbacks = tuple(
-            Intention(iteration, plan.ordinal, self._start_s + min(max(close, plan.t_s - self._start_s), end), why)
+            replace(plan, t_s=self._start_s + min(max(close, plan.t_s - self._start_s), end), why=why, last_resort=True)
             for plan, close in zip(intentions, self._close.tolist(), strict=True)
         )
         starts = [step.ordinal for step in self._brief.steps if step.kind in STARTS]
