@@ -41,7 +41,7 @@ farther off as possible; assumed."""
 PAST_M = 0.05
 """So far past its end a move begins to crawl (assumed)."""
 
-HALT_M = 0.15
+HALT_M = 0.17
 """And so far past it the server halts it, whatever the method says: the next place is somebody else's (assumed)."""
 
 SETTLE_M, SETTLE_M_S = 0.10, 0.08
