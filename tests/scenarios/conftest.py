@@ -1,4 +1,4 @@
-"""Short sessions on real physics: one iteration on nominal beats, no rehearsal, joints, unless a scenario asks for more."""
+"""Short sessions on real physics: one iteration on nominal beats without rehearsal, seen as joints, unless asked."""
 
 import dataclasses
 from types import SimpleNamespace
