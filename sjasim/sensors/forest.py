@@ -55,7 +55,8 @@ def _probed(
     """Difference of the depths at two offsets [mm] from a point, each no farther from its own than `CLIP_MM` [mm]."""
     first = _depth(image, last_v, last_u, v - np.int32(up) * per_mm, u + np.int32(left) * per_mm, near, far)
     other_v, other_u = v - np.int32(other_up) * per_mm, u + np.int32(other_left) * per_mm
-    return first - _depth(image, last_v, last_u, other_v, other_u, near, far)
+    off: np.int32 = first - _depth(image, last_v, last_u, other_v, other_u, near, far)
+    return off
 
 
 @njit(cache=True, error_model="numpy", inline="always")
