@@ -53,7 +53,7 @@ X, Y, Z, WEIGHT, SURE = range(5)
 """Columns of a vote: where [m], how much they count, and how much for being tracked."""
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _rank(v: int, u: int) -> float:
     """A number from 0 to 1 that is spread evenly over any patch of pixels, and always the same at a pixel.
 
@@ -134,28 +134,27 @@ def _cast_votes(
         size = np.float32(MILLI) * scale
         cos, sin = persons[k, 4] * size, persons[k, 5] * size
         for node in at:
-            leaf = votes[np.uint32(nodes[node, LEAF])]
-            for q in range(len(leaf)):
-                ahead, up, left, aside, beyond, wide, j = leaf[q]
+            leaf = np.uint32(nodes[np.uint32(node), LEAF])
+            for q in range(votes.shape[1]):
+                wide = votes[leaf, q, 5]
                 if wide >= _LOOSE:
                     break
-                row = k * len(JOINTS) + j
-                n = many[row]
+                row = np.uint32(k * len(JOINTS) + votes[leaf, q, 6])
+                n = np.uint32(many[row])
                 if n == MOST:
                     continue
                 many[row] = n + 1
-                to, sums = cast[row, n], first[row]
+                ahead, up, left = votes[leaf, q, 0], votes[leaf, q, 1], votes[leaf, q, 2]
                 weight = surface * _WEIGHTS[wide]
-                to[X] = x - sin * ahead - cos * left + size * aside
-                to[Y] = y + size * up
-                to[Z] = z - cos * ahead + sin * left + size * beyond
-                to[WEIGHT] = weight
-                to[SURE] = weight if wide < _SURE else np.float32(0.0)
+                cast[row, n, X] = x - sin * ahead - cos * left + size * votes[leaf, q, 3]
+                cast[row, n, Y] = y + size * up
+                cast[row, n, Z] = z - cos * ahead + sin * left + size * votes[leaf, q, 4]
+                cast[row, n, WEIGHT] = weight
+                cast[row, n, SURE] = weight if wide < _SURE else np.float32(0.0)
                 if wide < _FIRST:
-                    sums[0] += weight * to[X]
-                    sums[1] += weight * to[Y]
-                    sums[2] += weight * to[Z]
-                    sums[3] += weight
+                    for c in range(3):
+                        first[row, c] += weight * cast[row, n, c]
+                    first[row, 3] += weight
 
 
 @njit(cache=True, error_model="numpy", fastmath=True)
