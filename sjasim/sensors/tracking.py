@@ -14,6 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
+from ..memory import put
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array
 from . import anchoring, posture
 from .model import Unpacked
@@ -129,7 +130,7 @@ def _hold(
         if near(joints[j], before[j], HOLD_M):
             seen[j] = True
         elif twin[j] >= 0 and unseen_s[twin[j]] == 0.0:
-            joints[j] = joints[twin[j]] + CLOSING * (before[j] - before[twin[j]])
+            put(joints[j], joints[twin[j]] + CLOSING * (before[j] - before[twin[j]]))
             seen[j] = True
 
 
@@ -153,7 +154,8 @@ def _follow(
     """
     for j in range(len(joints)):
         if math.isnan(joints[j, 0]):
-            joints[j], state[j] = likely[j], FRESH
+            put(joints[j], likely[j])
+            state[j] = FRESH
     moved, steady = np.zeros(3), 0
     for j in posture.TRUNK:
         if seen[j] and state[j] == TRACKED:
@@ -164,11 +166,12 @@ def _follow(
         before, after = joints[j], joints[j] + moved + shares[0] * (likely[j] - joints[j] - moved)
         if not seen[j]:
             carry[j] = 0.0
-            joints[j], state[j] = after, INFERRED
+            put(joints[j], after)
+            state[j] = INFERRED
             continue
         if state[j] < TRACKED and state[j] != FRESH and not carry[j].any():
-            carry[j] = before + moved - found[j]
-        carry[j] *= kept[j]
+            put(carry[j], before + moved - found[j])
+        put(carry[j], carry[j] * kept[j])
         off = np.abs(carry[j]).max()
         if off < CLOSE_M:
             carry[j] = 0.0
@@ -176,7 +179,8 @@ def _follow(
         if state[j] == TRACKED and _STEADY[j]:
             common = before + shares[1] * moved
             here = common + shares[2] * (here - common)
-        joints[j], state[j] = here, TRACKED if off < SETTLED_M else INFERRED
+        put(joints[j], here)
+        state[j] = TRACKED if off < SETTLED_M else INFERRED
 
 
 def wrapped(angle_rad: float) -> float:
