@@ -25,7 +25,6 @@ from .sight import (
     ERRORS,
     EYE,
     FACTOR,
-    FRESH,
     HELD,
     HIDDEN,
     KEPT,
@@ -92,8 +91,8 @@ class JointsSensing:
         self._eye = _eye(mount, config)
         self._errors = np.zeros((*self._shape, ERRORS))
         self._errors[:, :, BIAS:DRIFT] = config.bias_m * self._normal()
-        self._drift_m = np.where(LIMBS, config.limb_drift_m, config.drift_m)
-        self._errors[:, :, DRIFT:FACTOR] = self._drift_m[:, None] * self._normal()
+        drift_m = np.where(LIMBS, config.limb_drift_m, config.drift_m)
+        self._errors[:, :, DRIFT:FACTOR] = drift_m[:, None] * self._normal()
         self._errors[:, :, HIDDEN] = np.where(_ARM, config.hidden_factor_hand, config.hidden_factor)
         self._errors[:, :, BLEND] = self._errors[:, :, KEPT] = 1.0  # at first they are as that sight leaves them
         self._errors[:, :, HELD] = ~_ARM
@@ -101,6 +100,7 @@ class JointsSensing:
         self._around = Memory()
         self._t_s = -math.inf
         self._frames = 0
+        self._paces: dict[int, Array] = {}
         self._noise = np.zeros((_BLOCK_FRAMES, group * len(JOINTS), 3))
         self._own = Memory(self.dancers, self._eye, self._errors, self._noise)
         self._room = _Room(1, group)
@@ -135,12 +135,11 @@ class JointsSensing:
         return Skeletons(self._persons, joints[frame], state[frame])
 
     def _pace(self, frames: int) -> None:
-        """How errors move in so many frames: share of the drift kept, what comes anew, share of the factor's way."""
+        """Let errors move as they do in so many frames; an idle sensor's intervals alternate."""
         self._frames = frames
-        kept = np.where(LIMBS, self._config.limb_drift_correlation, self._config.drift_correlation) ** frames
-        self._errors[:, :, KEPT], self._errors[:, :, FRESH] = kept, self._drift_m * np.sqrt(1.0 - kept**2)
-        blend_s = np.where(_ARM, HAND_BLEND_S, TORSO_BLEND_S)
-        self._errors[:, :, BLEND] = 1.0 - np.exp(-frames / self._config.rate_hz / blend_s)
+        if frames not in self._paces:
+            self._paces[frames] = _pace(self._config, frames)
+        self._errors[:, :, BLEND:HELD] = self._paces[frames]
 
     def _normal(self) -> Array:
         """(P, 25, 3) unit white noise."""
@@ -168,6 +167,14 @@ class _Room:
         visible, joints, state = np.empty(shape, bool), np.empty((*shape, 3)), np.empty(shape, np.int8)
         self.arrays = visible, joints, state
         self.told = _frozen(visible), _frozen(joints), _frozen(state)
+
+
+def _pace(config: SensorConfig, frames: int) -> Array:
+    """(25, 3) share of the factor's way in so many frames, share of the drift that is kept, what comes anew [m]."""
+    kept = np.where(LIMBS, config.limb_drift_correlation, config.drift_correlation) ** frames
+    blend = 1.0 - np.exp(-frames / config.rate_hz / np.where(_ARM, HAND_BLEND_S, TORSO_BLEND_S))
+    drift_m = np.where(LIMBS, config.limb_drift_m, config.drift_m)
+    return np.stack([blend, kept, drift_m * np.sqrt(1.0 - kept**2)], axis=1)
 
 
 def _eye(mount: Mount, config: SensorConfig) -> Array:
