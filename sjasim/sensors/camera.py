@@ -140,16 +140,9 @@ def _bounds(
 
 @njit(cache=True, error_model="numpy")
 def cast(
-    form: IntArray,
-    size: Array,
-    position: Array,
-    rotation: Array,
-    fx: float,
-    fy: float,
-    depth: Array,
-    geom: NDArray[np.int16],
-    facing: NDArray[np.float32],
-) -> None:
+    form: IntArray, size: Array, position: Array, rotation: Array, fx: float, fy: float, depth: Array,
+    geom: NDArray[np.int16], facing: NDArray[np.float32],
+) -> None:  # fmt: skip
     """Fill a picture.
 
     Bodies are capsules, which are therefore met without asking for their form at every pixel.
