@@ -72,6 +72,7 @@ class Intention:
         t_s: session time of sending; a time that has passed means at once.
         why: evidence in words, for the decision log.
         person: the dancer whose event decided it, or "".
+        last_resort: sent only if nothing better comes: its time is not when the step is expected.
     """
 
     iteration: int
@@ -79,6 +80,7 @@ class Intention:
     t_s: float
     why: str
     person: str = ""
+    last_resort: bool = False
 
 
 @dataclass(frozen=True, slots=True)

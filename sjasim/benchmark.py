@@ -57,7 +57,7 @@ def command(arguments: Sequence[str]) -> None:
     from .profiling import profile, profile_depth
 
     sys.stderr.write("measuring sessions and their raw physics ...\n")
-    config = SessionConfig(method=options.method, seed=options.seed, iterations=options.iterations)
+    config = SessionConfig(method=options.method, sensing="joints", seed=options.seed, iterations=options.iterations)
     found = profile(config) | profile_env() | profile_depth(config) | profile_workers()
     report = {
         "schema": 1,

@@ -207,20 +207,28 @@ def shown(summary: Mapping[str, Any], options: Options) -> None:
 
 
 def dance(config: SessionConfig, audience: Audience | None = None) -> SessionLog:
-    """Run the session with a progress bar on stderr; it appears once the session has been found fit to dance."""
+    """Run the session with a progress bar on stderr; it appears once there is something to dance, or to compile."""
+    from .compiling import told
     from .session import run_session
 
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
     progress = Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True)
-    task = progress.add_task(f"dancing ({config.method}, seed {config.seed})", total=1.0)
+    dancing = f"dancing ({config.method}, {config.sensing} sensing, seed {config.seed})"
+    task = progress.add_task(dancing, total=1.0)
+
+    def compiling(begun: int) -> None:
+        if progress.console.is_terminal:
+            progress.start()
+        progress.update(task, description=f"compiling for this machine, the first time only ({begun} functions)")
 
     def report(share: float) -> None:
         progress.start()
-        progress.update(task, completed=share)
+        progress.update(task, completed=share, description=dancing)
 
     try:
         watched = {} if audience is None else {"prepare": audience.prepare}
-        return run_session(config, report, **watched)
+        with told(compiling):
+            return run_session(config, report, **watched)
     finally:
         if progress.live.is_started:
             progress.stop()

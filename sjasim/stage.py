@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
-from numba import njit
 
+from .addresses import PELVIS, RATES, feel, gather
 from .assets.names import (
     ACTUATED,
     FLOOR_BIT,
@@ -26,7 +26,7 @@ from .contacts import Contacts
 from .errors import SjasimError
 from .humans.anatomy import Anatomy
 from .humans.body import BodyModel, body_model
-from .memory import Memory, index_rows, indices, matrix, vector
+from .memory import Memory
 from .rays.hiding import shapes
 from .robot.body import robot_spec
 from .types import (
@@ -43,12 +43,6 @@ _FLOOR = (0.74, 0.72, 0.69), (0.66, 0.64, 0.61)
 _SKY = (0.80, 0.86, 0.92), (0.97, 0.97, 0.96)
 LYING_ARMATURE, LYING_DAMPING = 0.5, 20.0
 """Inertia [kg m^2] and damping [Nm s/rad] about a lying body's three axes, two of which may be one (assumed)."""
-PELVIS, TRUNK, BEHIND, POSITIONS, RATES, SITES, ACTUATORS, WIRES = 0, 1, 2, 3, 9, 15, 19, 44
-"""Where a dancer's addresses begin in `Stage.where`: its pelvis, the body at its root, the one behind its last; the
-root's coordinates (6) and rates (6); ankles and hands (4); actuators of the planned hinges (25, -1 for a body that has
-others) and of the tether (5, -1 without one)."""
-LEFT_ANGLE, RIGHT_ANGLE, GYRO, BASE, LEFT_MOTOR, RIGHT_MOTOR = range(6)
-"""The robot's addresses, last in `Stage.robot`: wheel angles, yaw rate, body and actuators."""
 _LOGGED = [JOINT_INDEX[name] for name in ("AnkleLeft", "AnkleRight", "HandLeft", "HandRight")]
 
 
@@ -93,61 +87,6 @@ def _light(spec: mujoco.MjSpec) -> None:
     spec.worldbody.add_light(pos=[3, 1.5, 8], dir=[-0.4, -0.2, -1], type=lamp, diffuse=[0.5] * 3, specular=[0.1] * 3)
 
 
-@njit(cache=True)
-def gather(
-    com: Array, velocity: Array, centre: Array, qpos: Array, qvel: Array, sites: Array, forces: Array, load: Array,
-    mass: Array, parent: IntArray, momentum: Array, where: IntArray, out: Array,
-) -> None:  # fmt: skip
-    """Copy every dancer's rows out of the physics; the output is that of `types.DancerStates`.
-
-    The arrays are those of `Stage.felt`. The velocity of the centre of mass is what MuJoCo's ``mj_subtreeVel`` gives,
-    to the last bit, without its sums for all the other bodies.
-    """
-    for d in range(len(where)):
-        pelvis, root = where[d, PELVIS], where[d, TRUNK]
-        for b in range(pelvis, where[d, BEHIND]):
-            x, y, z = centre[b, 0] - com[root, 0], centre[b, 1] - com[root, 1], centre[b, 2] - com[root, 2]
-            turn_x, turn_y, turn_z = velocity[b, 0], velocity[b, 1], velocity[b, 2]
-            momentum[b, 0] = (velocity[b, 3] - (y * turn_z - z * turn_y)) * mass[b]
-            momentum[b, 1] = (velocity[b, 4] - (z * turn_x - x * turn_z)) * mass[b]
-            momentum[b, 2] = (velocity[b, 5] - (x * turn_y - y * turn_x)) * mass[b]
-        for b in range(where[d, BEHIND] - 1, pelvis, -1):
-            for k in range(3):
-                momentum[parent[b], k] += momentum[b, k]
-        per = 1.0 / mass[len(parent) + d]
-        for k in range(3):
-            out[d, k], out[d, 3 + k] = com[pelvis, k], momentum[pelvis, k] * per
-            for site in range(4):
-                out[d, 18 + 3 * site + k] = sites[where[d, SITES + site], k]
-        for k in range(6):
-            out[d, 6 + k], out[d, 12 + k] = qpos[where[d, POSITIONS + k]], qvel[where[d, RATES + k]]
-        for k in range(5):
-            wire = where[d, WIRES + k]
-            out[d, 30 + k] = forces[wire] if wire >= 0 else 0.0
-        out[d, 35] = load[d]
-
-
-@njit(cache=True)
-def command(targets: Array, where: IntArray, ctrl: Array) -> None:
-    """Set the dancers' actuators: (D, 30) targets of the planned hinges, then of the tether; see `Stage.where`."""
-    for d in range(len(where)):
-        for k in range(targets.shape[1]):
-            actuator = where[d, ACTUATORS + k]
-            if actuator >= 0:
-                ctrl[actuator] = targets[d, k]
-
-
-@njit(cache=True)
-def _feel(joints: Array, at: IntArray) -> None:
-    """Copy what a frame is about: where joints are, (D, 25, 3), and what the floor carries; ``at`` lists the arrays."""
-    sites, where, lifts, lift, load = matrix(at, 0), index_rows(at, 1), vector(at, 2), indices(at, 3), vector(at, 4)
-    for d in range(len(where)):
-        load[d] = lifts[lift[d]]
-        for j in range(where.shape[1]):
-            for k in range(3):
-                joints[d, j, k] = sites[where[d, j], k]
-
-
 class Stage:
     """Physics of one session. Sensors see it through the read-only part that `types.StageView` names.
 
@@ -163,8 +102,8 @@ class Stage:
 
     Attributes:
         direct: whether the bodies' hinges are the planned ones.
-        where: (D, ...) addresses of what belongs to each dancer, see `PELVIS`.
-        felt: all that `gather` takes but its output.
+        where: (D, ...) addresses of what belongs to each dancer, see `addresses.PELVIS`.
+        felt: all that `addresses.gather` takes but its output.
         ctrl: the physics' own array of actuator commands.
         robot: what its turn reads: coordinates, sensors, places and attitudes of bodies, and its addresses.
     """
@@ -323,7 +262,7 @@ class Stage:
         up at its root is what its feet carry.
         """
         joints = np.empty(self._shape)
-        _feel(joints, self._looks.table)
+        feel(joints, self._looks.table)
         self._keep(joints)
 
     def bend(self, joints: Array) -> None:

@@ -11,6 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
+from .addresses import BASE, GYRO, LEFT_ANGLE, LEFT_MOTOR, RIGHT_ANGLE, RIGHT_MOTOR, command, gather
 from .config import RobotConfig
 from .humans.balance import HINGES, Balance, correct
 from .ledger import Ledger
@@ -18,7 +19,7 @@ from .memory import Memory, cube, index_rows, indices, matrix, vector
 from .robot.diff_drive import Pose
 from .robot.executor import LEFT_WHEEL, RIGHT_WHEEL, Executor, steer
 from .robot.odometry import RATE, Odometry, RobotEventDetector, detect, reckon
-from .stage import BASE, GYRO, LEFT_ANGLE, LEFT_MOTOR, RIGHT_ANGLE, RIGHT_MOTOR, Stage, command, gather
+from .stage import Stage
 from .types import Array, IntArray, Kind, MoveCommand, RobotState
 
 

@@ -73,7 +73,14 @@ def test_a_tiny_run_leaves_numbers_and_a_page(tmp_path, capsys):
     assert 0.0 < by_kind["start_forward"]["bias_s"] < 0.4
     assert {row["kind"] for row in card["robot"]} >= {"start_forward", ALL}
     assert len(card["distributions"][0]["error_s"]) == len(card["quantiles"])
-    assert "| start_forward" in (folder / "characterise.md").read_text()
+    (seen,) = [row for row in card["joints"] if (row["joints"], row["row"], row["occlusion"]) == ("all", "all", "all")]
+    assert seen["n"] > 25 * 3 * 30 * 15
+    assert 0.7 < seen["tracked"] <= 1.0
+    assert 0.005 < seen["median_m"] < 0.03
+    assert seen["astray"] < 0.001
+    page = (folder / "characterise.md").read_text()
+    assert "| start_forward" in page
+    assert "| astray" in page
     assert cli.main(characterise.command, [*TINY, "--out", str(folder)]) == 2
     assert "--overwrite" in capsys.readouterr().err
 

@@ -69,3 +69,5 @@ def test_without_a_tether_balance_is_fast_unless_rates_are_given():
     assert SessionConfig(body=free).stage.balance_hz == 240
     assert SessionConfig(body=free, stage=StageConfig(rate_hz=300, balance_hz=100)).stage.balance_hz == 100
     assert SessionConfig().stage.balance_hz == 50
+    logged = SessionConfig(body=free, stage=StageConfig(truth_hz=25)).stage
+    assert logged == StageConfig(rate_hz=240, balance_hz=240, truth_hz=25)

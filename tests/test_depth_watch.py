@@ -17,7 +17,7 @@ SECONDS = 1.0
 
 
 def watched() -> tuple[Session, DepthWatch]:
-    session = Session(SessionConfig(method="none", humans="metronomic"))
+    session = Session(SessionConfig(method="none", humans="metronomic", sensing="joints"))
     watch = DepthWatch(session)
     session.world.watchers.append(watch.tick)
     session.advance(SECONDS)
@@ -43,6 +43,6 @@ def test_pictures_of_people_are_kept_and_recorded(tmp_path):
 
 def test_watching_changes_nothing():
     session, _ = watched()
-    alone = Session(SessionConfig(method="none", humans="metronomic"))
+    alone = Session(SessionConfig(method="none", humans="metronomic", sensing="joints"))
     alone.advance(SECONDS)
     assert np.array_equal(session.world.stage.data.qpos, alone.world.stage.data.qpos)

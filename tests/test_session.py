@@ -15,7 +15,9 @@ from sjasim.errors import ConfigError, UnknownNameError
 from sjasim.session import Session, run_session
 from sjasim.types import Kind
 
-SHORT = SessionConfig(method="sia", iterations=1, seed=5, dance=DanceConfig(rehearsal=False, lead_in_s=2.0))
+SHORT = SessionConfig(
+    method="sia", sensing="joints", iterations=1, seed=5, dance=DanceConfig(rehearsal=False, lead_in_s=2.0)
+)
 shares_told: list[float] = []
 UNSTEADY = ("cpu_s", "wall_s", "versions")
 

@@ -13,7 +13,9 @@ from sjasim.people import felt_error_s
 from sjasim.types import ROBOT, ClientStatus, Cue, Kind, Move, SyncRequest
 from sjasim.worlds import PhysicsWorld
 
-CONFIG = SessionConfig(humans="metronomic", iterations=1, dance=DanceConfig(rehearsal=False, lead_in_s=1.0))
+CONFIG = SessionConfig(
+    humans="metronomic", sensing="joints", iterations=1, dance=DanceConfig(rehearsal=False, lead_in_s=1.0)
+)
 
 
 def world(*faults, robot=True):

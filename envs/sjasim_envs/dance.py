@@ -73,7 +73,7 @@ class _Dance(gym.Env[Any, Any]):
         step_hz: decisions per second.
         skip_rehearsal: whether an episode begins when the rehearsal's window closes, the robot having stood still.
         reward: weights, by the names of `reward.RewardConfig`.
-        config: what further options change; the defaults of `SessionConfig` if None.
+        config: what further options change; if None the defaults of `SessionConfig`, but with ``joints`` sensing.
         width: of pictures [px].
         height: of pictures [px].
         options: fields of `SessionConfig`, rooms as nested mappings. ``method`` names an anticipation method that
@@ -107,7 +107,7 @@ class _Dance(gym.Env[Any, Any]):
             raise error.Error(
                 f"config = {config!r} is not allowed: a SessionConfig; plain fields are options themselves"
             )
-        self.config = _configured(config or SessionConfig(method=AGENT), options)
+        self.config = _configured(config or SessionConfig(method=AGENT, sensing="joints"), options)
         self._first_seed = self.config.seed if "seed" in options or config is not None else None
         self._weights = RewardConfig.of(reward or {})
         self._skip = skip_rehearsal

@@ -6,7 +6,7 @@ Source: iqbal2016, section III-A.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -69,8 +69,9 @@ class Sia(Scheduling):
     regular event, within the window around the same dancer's time one iteration ago (the schedule's, where they
     lack it); the stop of a start that was followed needs no window. A clap has no early event. If the window closes
     with neither, the scheduled command is used, at once if its time has passed, and the decision says ``fallback``.
-    If meanwhile a regular event shows that the dancer is past the step, a stop or turn falls back at once, and a
-    start is passed over with its stop: its move is over.
+    If meanwhile a regular event shows that the dancer is past the step, a stop or turn falls back at once. A move that
+    is over when its stop is seen is made at once, as long as the schedule has it, if it will be over before the dancer
+    is expected to do the next thing; else it is passed over.
 
     When a start falls back, its dancer has left out a whole phrase: the rest of it, to where the robot came from, is
     scheduled at once, not each step at the close of its own window, which would leave no time before the turn.
@@ -120,9 +121,9 @@ class Sia(Scheduling):
             return (self._follow(event), *self._wait_for_stop())
         if event.early or after < self._reference[self._next]:
             return ()
-        skipped = [self._pass_over(event) for _ in range(step - self._next)]
-        begun = self._brief.steps[step - 1].kind not in STARTS
-        return (*skipped, self._follow(event) if begun else self._pass_over(event, whole=True))
+        over = self._brief.steps[step - 1].kind in STARTS
+        skipped = [self._pass_over(event) for _ in range(step - self._next - over)]
+        return (*skipped, *(self._make_late(event) if over else (self._follow(event),)))
 
     def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
         """Let go of the dancer that was followed, and prepare the next iteration."""
@@ -144,7 +145,7 @@ class Sia(Scheduling):
         self._planned = intentions
         why = f"fallback: no event within {self._config.window_s:g} s of the time expected of {self._note}"
         fallbacks = tuple(
-            Intention(iteration, plan.ordinal, self._start_s + min(max(close, plan.t_s - self._start_s), end), why)
+            replace(plan, t_s=self._start_s + min(max(close, plan.t_s - self._start_s), end), why=why, last_resort=True)
             for plan, close in zip(intentions, self._close.tolist(), strict=True)
         )
         starts = [step.ordinal for step in self._brief.steps if step.kind in STARTS]
@@ -220,6 +221,22 @@ class Sia(Scheduling):
         self._settle()
         why = f"{'early ' if event.early else ''}{event.kind.value} of {self._note}"
         return Intention(self._scheduled, step.ordinal, event.t_arrival_s, why, event.person)
+
+    def _make_late(self, event: Event) -> Sequence[Answer]:
+        """Answers for a move whose stop was the first that was seen of it."""
+        begun = self._next
+        start, stop = self._planned[begun : begun + 2]
+        ends_s = event.t_arrival_s + stop.t_s - start.t_s
+        after = self._reference[begun + 2 : begun + 3]
+        if ends_s + HOLD_S > self._start_s + (after[0] if len(after) else self._close[begun + 1]):
+            return [self._pass_over(event), self._pass_over(event, whole=True)]
+        self._settle()
+        self._settle()
+        why = f"made late: {event.kind.value} already seen of {self._note}"
+        return [
+            Intention(self._scheduled, begun, event.t_arrival_s, why),
+            Intention(self._scheduled, begun + 1, ends_s, why),
+        ]
 
     def _pass_over(self, event: Event, *, whole: bool = False) -> Answer:
         """Answer for a step that the leader is past; ``whole`` for the stop of a start that was passed over."""

@@ -85,7 +85,8 @@ class BodyConfig:
         model: ``sjasim`` (our own), ``cmu`` (dm_control's CMU humanoid; needs dm-control) or module:Class.
         stature_m: lowest and highest stature to draw from.
         mass_kg: lowest and highest mass to draw from.
-        tether: ``weak`` (saturating) or ``none`` (balance alone; physics and balance then run at 240 Hz by default).
+        tether: ``weak`` (saturating) or ``none``: balance alone; physics and balance then run at 240 Hz, unless other
+            rates are given than the 150 and 50 Hz of a tether, at which nobody stands alone.
         tether_force_n: most horizontal force of the tether, each axis.
         tether_torque_nm: most torque of the tether, each axis.
     """

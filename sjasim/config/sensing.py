@@ -24,11 +24,13 @@ class SensorConfig:
         max_range_m: farthest tracked person.
         frame_loss: probability that a frame is never delivered.
         width_px: columns of a depth image: 512 (512 x 424) or 256 (256 x 212).
-        bias_m: standard deviation of a joint's constant error, per axis. This and the next four are fitted to what
-            ``depth`` sensing gets wrong, by ``scripts/fit_joint_errors.py`` (seeds 8100 to 8105).
-        drift_m: standard deviation of the slowly varying error of a tracked joint, per axis.
+        bias_m: standard deviation of a joint's constant error, per axis. This and the next six are fitted to what
+            ``depth`` sensing gets wrong, by ``scripts/fit_joint_errors.py`` (seeds 8760 to 8769).
+        drift_m: standard deviation of the slowly varying error of a visible joint of trunk or head, per axis.
         drift_correlation: correlation of that error between frames; with ``drift_m`` gives .06 cm from frame to frame.
-        hidden_factor: how much larger both errors are where the joint is inferred.
+        limb_drift_m: the same as ``drift_m`` for joints of arms and legs.
+        limb_drift_correlation: of that error.
+        hidden_factor: how much larger both errors are where the joint is hidden.
         hidden_factor_hand: the same for elbows, wrists and hands.
     """
 
@@ -42,11 +44,13 @@ class SensorConfig:
     max_range_m: float = 4.5
     frame_loss: float = 0.0
     width_px: int = 256
-    bias_m: float = 0.011
-    drift_m: float = 0.005
-    drift_correlation: float = 0.993
-    hidden_factor: float = 2.3
-    hidden_factor_hand: float = 11.0
+    bias_m: float = 0.0104
+    drift_m: float = 0.0040
+    drift_correlation: float = 0.9892
+    limb_drift_m: float = 0.0102
+    limb_drift_correlation: float = 0.9324
+    hidden_factor: float = 2.19
+    hidden_factor_hand: float = 2.60
 
     def __post_init__(self) -> None:
         within("sensors.rate_hz", self.rate_hz, 5, 120)
@@ -63,6 +67,8 @@ class SensorConfig:
         within("sensors.bias_m", self.bias_m, 0.0, 0.2)
         within("sensors.drift_m", self.drift_m, 0.0, 0.2)
         within("sensors.drift_correlation", self.drift_correlation, 0.0, 0.9999)
+        within("sensors.limb_drift_m", self.limb_drift_m, 0.0, 0.2)
+        within("sensors.limb_drift_correlation", self.limb_drift_correlation, 0.0, 0.9999)
         within("sensors.hidden_factor", self.hidden_factor, 1.0, 50.0)
         within("sensors.hidden_factor_hand", self.hidden_factor_hand, 1.0, 50.0)
 

@@ -13,6 +13,7 @@ import math
 import numpy as np
 from numba import njit
 
+from ..memory import put
 from ..types import Array
 from .camera import Intrinsics
 from .posture import Seen
@@ -76,11 +77,12 @@ def _share(point: Points, owner: Owners, who: int, ahead_m: float, reach_m: floa
                 best, mine = square, f
         if mine >= 0:
             many[mine] += 1.0
-            sums[mine] += point[i]
+            for c in range(3):
+                sums[mine, c] += point[i, c]
     if many.min() < LEAST_POINTS:
         return False
     for f in range(2):
-        fists[f] = sums[f] / many[f]
+        put(fists[f], sums[f] / many[f])
     return True
 
 
@@ -95,12 +97,13 @@ def _part(
     if left[2] > ahead_m or right[2] > ahead_m:
         return
     fists = prior[_FISTS]
-    fists[:, 2] -= DEEP_M * scale
+    for f in range(2):
+        fists[f, 2] -= DEEP_M * scale
     for _ in range(STEPS):
         if not _share(point, owner, who, ahead_m, MINE_M * scale, fists):
             return
     for f in range(2):
-        joints[_FISTS[f]] = fists[f]
+        put(joints[_FISTS[f]], fists[f])
         joints[_FISTS[f], 2] += DEEP_M * scale
 
 

@@ -18,7 +18,22 @@ from ..config import SensorConfig
 from ..memory import Memory
 from ..registry import register
 from ..types import Array, BoolArray, IntArray, Skeletons, Solids, StageView
-from .sight import BIAS, BLEND, DRIFT, ERRORS, EYE, FACTOR, FRESH, HIDDEN, KEPT, PLACE, RANGE, SLOPES, observe
+from .sight import (
+    BIAS,
+    BLEND,
+    DRIFT,
+    ERRORS,
+    EYE,
+    FACTOR,
+    HELD,
+    HIDDEN,
+    KEPT,
+    LIMBS,
+    PLACE,
+    RANGE,
+    SLOPES,
+    observe,
+)  # fmt: skip
 
 T = TypeVar("T", bound=np.generic)
 
@@ -43,13 +58,15 @@ class JointsSensing:
     """One sensor's skeletons of everybody on the stage, from the truth.
 
     A joint is *visible* if it lies in the field of view and range and the ray to it meets nothing before it but
-    its own dancer's flesh. Visible joints are tracked (a moment after they come back: see `sight.SETTLED_FACTOR`),
-    others inferred while some of the torso is visible; out of view, or with the torso hidden too, a joint is not
-    tracked and its position is NaN. Left and right are never confused, which a real sensor does behind a person's back.
+    its own dancer's flesh. Visible joints are tracked. While some of the torso is visible a hidden joint is known all
+    the same: one of the arms is inferred (until a moment after it comes back: see `sight.SETTLED_FACTOR`), any other
+    is held in its place by the rest of the body and tracked, as by ``depth`` sensing. Out of view, or with the torso
+    hidden too, a joint is not tracked and its position is NaN. Left and right are never confused, which a real sensor
+    does behind a person's back.
 
-    Errors are the sensor's own: a constant bias per person and joint, and a drift that follows a first-order
-    autoregression over elapsed frames, also those that were lost or not taken; both times a factor that moves
-    smoothly from 1 (visible) to ``hidden_factor`` (hidden).
+    Errors are the sensor's own: a constant bias per person and joint, and a drift, other for limbs than for the rest,
+    that follows a first-order autoregression over elapsed frames, also those that were lost or not taken; both times
+    a factor that moves smoothly from 1 (visible) to ``hidden_factor`` (hidden).
 
     Args:
         mount: where the sensor is.
@@ -74,13 +91,16 @@ class JointsSensing:
         self._eye = _eye(mount, config)
         self._errors = np.zeros((*self._shape, ERRORS))
         self._errors[:, :, BIAS:DRIFT] = config.bias_m * self._normal()
-        self._errors[:, :, DRIFT:FACTOR] = config.drift_m * self._normal()
+        drift_m = np.where(LIMBS, config.limb_drift_m, config.drift_m)
+        self._errors[:, :, DRIFT:FACTOR] = drift_m[:, None] * self._normal()
         self._errors[:, :, HIDDEN] = np.where(_ARM, config.hidden_factor_hand, config.hidden_factor)
-        self._errors[:, :, BLEND] = 1.0  # at first they are as that sight leaves them
+        self._errors[:, :, BLEND] = self._errors[:, :, KEPT] = 1.0  # at first they are as that sight leaves them
+        self._errors[:, :, HELD] = ~_ARM
         self._solids: Solids | None = None
         self._around = Memory()
         self._t_s = -math.inf
         self._frames = 0
+        self._paces: dict[int, Array] = {}
         self._noise = np.zeros((_BLOCK_FRAMES, group * len(JOINTS), 3))
         self._own = Memory(self.dancers, self._eye, self._errors, self._noise)
         self._room = _Room(1, group)
@@ -115,12 +135,11 @@ class JointsSensing:
         return Skeletons(self._persons, joints[frame], state[frame])
 
     def _pace(self, frames: int) -> None:
-        """How errors move in so many frames: share of the drift kept, what comes anew, share of the factor's way."""
+        """Let errors move as they do in so many frames; an idle sensor's intervals alternate."""
         self._frames = frames
-        kept = self._config.drift_correlation**frames
-        self._eye[KEPT], self._eye[FRESH] = kept, self._config.drift_m * math.sqrt(1.0 - kept**2)
-        blend_s = np.where(_ARM, HAND_BLEND_S, TORSO_BLEND_S)
-        self._errors[:, :, BLEND] = 1.0 - np.exp(-frames / self._config.rate_hz / blend_s)
+        if frames not in self._paces:
+            self._paces[frames] = _pace(self._config, frames)
+        self._errors[:, :, BLEND:HELD] = self._paces[frames]
 
     def _normal(self) -> Array:
         """(P, 25, 3) unit white noise."""
@@ -150,14 +169,21 @@ class _Room:
         self.told = _frozen(visible), _frozen(joints), _frozen(state)
 
 
+def _pace(config: SensorConfig, frames: int) -> Array:
+    """(25, 3) share of the factor's way in so many frames, share of the drift that is kept, what comes anew [m]."""
+    kept = np.where(LIMBS, config.limb_drift_correlation, config.drift_correlation) ** frames
+    blend = 1.0 - np.exp(-frames / config.rate_hz / np.where(_ARM, HAND_BLEND_S, TORSO_BLEND_S))
+    drift_m = np.where(LIMBS, config.limb_drift_m, config.drift_m)
+    return np.stack([blend, kept, drift_m * np.sqrt(1.0 - kept**2)], axis=1)
+
+
 def _eye(mount: Mount, config: SensorConfig) -> Array:
-    """The numbers of an eye whose errors have no pace yet; see `sight.EYE`."""
+    """The numbers of an eye; see `sight.EYE`."""
     out = np.zeros(EYE)
     out[:PLACE] = mount.world_from_sensor.T.reshape(-1)
     out[PLACE:SLOPES] = mount.position
     out[SLOPES:RANGE] = math.tan(config.horizontal_fov_rad / 2), math.tan(config.vertical_fov_rad / 2)
-    out[RANGE:KEPT] = config.min_range_m, config.max_range_m
-    out[KEPT] = 1.0
+    out[RANGE:EYE] = config.min_range_m, config.max_range_m
     return out
 
 

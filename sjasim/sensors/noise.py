@@ -36,7 +36,7 @@ _FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 _LOW = np.uint64(0xFFFF)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _bits(key: np.uint64, count: int) -> np.uint64:
     """64 random bits, a hash of both arguments (splitmix64's finaliser)."""
     x = key + np.uint64(count + 1) * _GOLDEN
@@ -45,20 +45,20 @@ def _bits(key: np.uint64, count: int) -> np.uint64:
     return x ^ (x >> np.uint64(31))
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _part(bits: np.uint64, which: int) -> float:
     """One of four uniform numbers from 0 to 1 in 64 bits."""
     return float((bits >> np.uint64(16 * which)) & _LOW) / 65536.0
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _normal(bits: np.uint64) -> float:
     """A nearly normal number of variance 1: four uniform ones added; its tails end at 3.5."""
     total = _part(bits, 0) + _part(bits, 1) + _part(bits, 2) + _part(bits, 3)
     return float((total - 2.0) * 1.7320508075688772)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def axial_m(depth_m: float, slant: float) -> float:
     """Standard deviation of depth [m], for an angle of incidence theta with (theta / (pi/2 - theta))^2 = ``slant``.
 
@@ -81,7 +81,7 @@ _WIGGLES_M = (WIGGLE_M * np.sin(2.0 * np.pi * np.arange(0.0, 12.0, 0.01) / WIGGL
 """The distance error by centimetres; logarithms, roots and sines would cost more than all else together."""
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _edge(depth: NDArray[np.float64], v: int, u: int) -> float:
     """Depth of the neighbour beyond the largest step in depth that can mix, 0 without one."""
     height, width = depth.shape
@@ -94,7 +94,7 @@ def _edge(depth: NDArray[np.float64], v: int, u: int) -> float:
     return other
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _aside(depth: NDArray[np.float64], v: int, u: int, key: np.uint64, fx: float) -> tuple[int, int]:
     """The pixel whose surface one looks at."""
     height, width = depth.shape
@@ -107,7 +107,7 @@ def _aside(depth: NDArray[np.float64], v: int, u: int, key: np.uint64, fx: float
     return min(max(row, 0), height - 1), min(max(column, 0), width - 1)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _spoil(depth: NDArray[np.float64], facing: NDArray[np.float32], v: int, u: int, key: np.uint64, fx: float) -> float:
     """Depth that the sensor reports for one pixel, 0 for none [m]."""
     own = depth[v, u]
@@ -143,19 +143,27 @@ def _solid(geom: NDArray[np.int16], flat: NDArray[np.bool_]) -> NDArray[np.bool_
     return out
 
 
+@njit(cache=True, inline="always")
+def _whole_mm(seen: float, near: float, far: float) -> np.uint16:
+    """A depth in whole millimetres, 0 out of range."""
+    return np.uint16(np.int32((seen if (near <= seen) & (seen <= far) else 0.0) * 1000.0 + 0.5))
+
+
 @njit(cache=True, error_model="numpy")
 def _sense(
     depth: NDArray[np.float64], geom: NDArray[np.int16], facing: NDArray[np.float32], flat: NDArray[np.bool_],
     key: np.uint64, fx: float, near: float, far: float, out: NDArray[np.uint16],
 ) -> None:  # fmt: skip
-    solid = _solid(geom, flat)
+    """Row by row, at first without a branch as if nothing were to be spoiled, so that many pixels are done at once."""
+    solid, spoiled = _solid(geom, flat), np.empty(depth.shape[1], np.bool_)
     for v in range(depth.shape[0]):
         above, row, below = solid[v], solid[v + 1], solid[v + 2]
         for u in range(depth.shape[1]):
-            seen = depth[v, u]
-            if above[u + 1] | below[u + 1] | row[u] | row[u + 1] | row[u + 2]:
-                seen = _spoil(depth, facing, v, u, key, fx)
-            out[v, u] = np.uint16(seen * 1000.0 + 0.5) if near <= seen <= far else np.uint16(0)
+            out[v, u] = _whole_mm(depth[v, u], near, far)
+            spoiled[u] = above[u + 1] | below[u + 1] | row[u] | row[u + 1] | row[u + 2]
+        for u in range(depth.shape[1]):
+            if spoiled[u]:
+                out[v, u] = _whole_mm(_spoil(depth, facing, v, u, key, fx), near, far)
 
 
 def sensed(

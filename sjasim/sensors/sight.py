@@ -11,25 +11,28 @@ from ..memory import cube, index_rows, indices, matrix, vector
 from ..rays.hiding import COLUMNS, hide, outlines
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array, BoolArray, IntArray
 
-BIAS, DRIFT, FACTOR, HIDDEN, BLEND, ERRORS = 0, 3, 6, 7, 8, 9
+BIAS, DRIFT, FACTOR, HIDDEN, BLEND, KEPT, FRESH, HELD, ERRORS = 0, 3, 6, 7, 8, 9, 10, 11, 12
 """Columns of a joint's errors: constant error [m], slow error [m], how much larger both are now, the factor that they
-tend to while the joint is hidden (1 while it is visible), and the share of the way there at this frame."""
+tend to while the joint is hidden (1 while it is visible), and the share of the way there at this frame; share of the
+slow error that is kept since the last frame, and standard deviation of what comes anew [m]; whether the rest of the
+body holds the joint in its place, so that it is tracked while it is hidden (1 or 0)."""
 
-PLACE, SLOPES, RANGE, KEPT, FRESH, EYE = 9, 12, 14, 16, 17, 18
-"""Columns of an eye after its rotation: place [m], slopes of the field of view, nearest and farthest depth [m]; share
-of the slow error that is kept since the last frame, and standard deviation of what comes anew [m]."""
+PLACE, SLOPES, RANGE, EYE = 9, 12, 14, 16
+"""Columns of an eye after its rotation: place [m], slopes of the field of view, nearest and farthest depth [m]."""
 
 SETTLED_FACTOR = 1.5
 """A joint that is seen again is tracked once its error is at most this much larger than a visible joint's (assumed)."""
 
-_LIMBS = ("Elbow", "Wrist", "Hand", "Thumb", "Knee", "Ankle", "Foot")
-FLESH_M = np.where([name.startswith(_LIMBS) for name in JOINTS], 0.13, 0.20)
+LIMBS = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb", "Knee", "Ankle", "Foot")) for name in JOINTS])
+"""(25,) Which joints are of arms and legs."""
+
+FLESH_M = np.where(LIMBS, 0.13, 0.20)
 """(25,) A ray that first meets the joint's own dancer so close before the joint counts as reaching it: a trunk is that
 thick, also seen from the side; a limb is not, and farther behind other flesh it is hidden by it (assumed)."""
 
 _TORSO_NAMES = ("SpineBase", "SpineMid", "SpineShoulder", "ShoulderLeft", "ShoulderRight", "HipLeft", "HipRight")
 TORSO = np.array([JOINT_INDEX[name] for name in _TORSO_NAMES])
-"""While any of these is visible, the person's hidden joints are inferred."""
+"""While any of these is visible, the person's hidden joints are known."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -58,7 +61,7 @@ def observe(
         dancer, body, mark = dancers[p], joints[frame, p], visible[frame, p]
         in_view = _locate(truth[dancer], eye, body, mark)
         hide(body, dancer, FLESH_M, rows, shape, seen, mark)
-        _age(errors[p], mark, eye[KEPT], eye[FRESH], noise[frame, p * each : (p + 1) * each])
+        _age(errors[p], mark, noise[frame, p * each : (p + 1) * each])
         _tell(errors[p], in_view, mark, body, state[frame, p])
 
 
@@ -76,13 +79,13 @@ def _locate(points: Array, eye: Array, local: Array, mark: BoolArray) -> BoolArr
 
 
 @njit(cache=True, error_model="numpy")
-def _age(errors: Array, visible: BoolArray, kept: float, fresh: float, noise: Array) -> None:
+def _age(errors: Array, visible: BoolArray, noise: Array) -> None:
     """Move one person's errors on, in place."""
     for j in range(len(errors)):
         aim = 1.0 if visible[j] else errors[j, HIDDEN]
         errors[j, FACTOR] += errors[j, BLEND] * (aim - errors[j, FACTOR])
         for k in range(3):
-            errors[j, DRIFT + k] = kept * errors[j, DRIFT + k] + fresh * noise[j, k]
+            errors[j, DRIFT + k] = errors[j, KEPT] * errors[j, DRIFT + k] + errors[j, FRESH] * noise[j, k]
 
 
 @njit(cache=True, error_model="numpy")
@@ -97,6 +100,7 @@ def _tell(errors: Array, in_view: BoolArray, visible: BoolArray, joints: Array, 
             joints[j, :] = np.nan
             continue
         factor = errors[j, FACTOR]
-        state[j] = TRACKED if visible[j] and factor <= SETTLED_FACTOR else INFERRED
+        settled = visible[j] and factor <= SETTLED_FACTOR
+        state[j] = TRACKED if settled or errors[j, HELD] > 0.0 else INFERRED
         for k in range(3):
             joints[j, k] += factor * (errors[j, BIAS + k] + errors[j, DRIFT + k])

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..assets.names import JOINTS
 from ..errors import SjasimError
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array, Skeletons
-from . import anchoring, hands, posture, segmentation, tracking
+from . import anchoring, hands, posture, segmentation, showing, tracking
 from .camera import Intrinsics
 from .model import Model, default, unpacked
 from .segmentation import Foreground
@@ -199,6 +199,10 @@ class SkeletonEstimator:
             person.see(joints[k], seen[k], self._model, interval_s)
             voted = np.where(seen[k][:, None], joints[k], np.nan)
             person.anchor(cells[k], prior[k], voted, anchoring.LEAST_M2 / pixel_m2[k], interval_s)
+        joints = np.array([person.joints for person in persons])
+        shown = showing.shown(self._scene.image, self._intrinsics, self._height_m, joints, scales)
+        for person, limbs in zip(persons, shown, strict=True):
+            person.shown = limbs
 
     def _half_out(self, x_m: float, z_m: float) -> bool:
         """Whether the picture cuts off half of somebody whose visible surface has its middle there."""
@@ -212,6 +216,9 @@ class SkeletonEstimator:
         joints[:, :, 1] -= self._height_m
         in_sight = np.array([person.missing_s == 0.0 for person in persons], dtype=bool)
         guessed = in_sight & ((state[:, posture.TRUNK] == TRACKED).sum(axis=1) < LEAST_TRUNK)
+        shown = np.array([person.shown for person in persons]).reshape(-1, len(JOINTS))
+        state[in_sight[:, None] & (state == TRACKED) & (shown == showing.HIDDEN)] = INFERRED
+        state[(in_sight & ~guessed)[:, None] & (state == INFERRED) & (shown == showing.SHOWN)] = TRACKED
         state[guessed[:, None] & (state == INFERRED)] = NOT_TRACKED
         joints[state == NOT_TRACKED] = np.nan
         for array in (names, joints, state):

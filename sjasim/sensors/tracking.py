@@ -14,8 +14,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
+from ..memory import put
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array
-from . import anchoring, posture
+from . import anchoring, following, posture
 from .model import Unpacked
 
 CONFIRM_FRAMES = 3
@@ -28,17 +29,8 @@ REACH_M, REACH_M_S = 0.5, 1.0
 """How far from where they were lost somebody is looked for, and how that grows (assumed)."""
 SAME_M = 0.30
 """Two persons cannot stand closer than this; the younger is a mistake (assumed)."""
-RELAX_S = 0.10
-"""Time constant with which a hidden joint goes where the rest of the posture says (assumed)."""
-SETTLE_TRUNK_S, SETTLE_LIMB_S = 0.40, 0.02
-"""Time constants with which a joint that comes back into sight goes where it is seen: a trunk that jumped would look
-like a step (assumed)."""
-SETTLED_M = 0.03
-"""A joint that comes back is tracked once it is this near to where it is seen (assumed)."""
-CLOSE_M = 0.002
-"""Nearer than this, it is there."""
-SPEED_S = 0.10
-"""Time constant of the trunk's velocity (assumed)."""
+SPEED_S, SPIN_S = 0.10, 0.15
+"""Time constants of the trunk's velocity, and of the rate at which it turns (assumed)."""
 YAW_S, YAW_ASTRAY_RAD, YAW_ASTRAY_S = 0.25, math.radians(60.0), 0.08
 """Time constant with which the forest's yaw corrects the tracked one, and the time constant beyond an angle at which
 only one of them can be right: the forest, which does not remember its mistakes (assumed)."""
@@ -46,11 +38,6 @@ OWN_YAW_RAD, OWN_YAW_S = math.radians(40.0), 0.08
 """The skeleton's own heading counts if it is so near, with this time constant (assumed)."""
 SURFACE_S = 0.15
 """Time constant of where the trunk's surface lies before its joints (assumed)."""
-COMMON_S = 0.08
-"""Time constant with which the trunk leaves its predicted motion; at constant speed this is no delay (assumed)."""
-OWN_MOTION_S, SPIN_S, SPIN_RAD_S = 0.40, 0.15, 0.4
-"""Time constant with which a joint of the trunk leaves the motion that all of the trunk has in common, which shakes
-less than each: shorter the faster the person turns, by a rate smoothed with the second (assumed)."""
 FRONTAL = (0.70, 0.90)
 """Cosines of the yaw from which on the trunk's surface says anything of its motion along the view, and all: what a
 sensor sees at the side are arms that swing and flanks that pass (assumed)."""
@@ -65,7 +52,7 @@ ASIDE_M = 0.17
 """Hands do not meet so far beside the trunk's middle: what looks like both is the hand of that side (assumed)."""
 MEET_M, CLOSING = 0.22, 0.7
 """Tracked hands so near are about to touch; of what lies between them so much is left a frame later (assumed)."""
-HOLD_S, WEAK_S, HOLD_M = 0.08, 0.4, 0.15
+HOLD_S, WEAK_S, HOLD_M = 0.08, 0.15, 0.15
 """A joint that was tracked is for so long without a vote, and for so long with too few, while it is found this near to
 its prediction (assumed)."""
 LEAP_S, LEAP_M = 0.12, 0.25
@@ -77,11 +64,6 @@ STATURE_M = (1.35, 2.10)
 RISE_S, SINK_S, HIDDEN_SHARE = 0.3, 4.0, 0.93
 """How fast a larger and a smaller crown is believed; a crown below this share of it is a hidden one (assumed)."""
 
-_TRUNK = np.zeros(len(JOINTS), dtype=bool)
-_TRUNK[[*posture.TRUNK, JOINT_INDEX["Head"]]] = True
-_SETTLE_S = np.where(_TRUNK, SETTLE_TRUNK_S, SETTLE_LIMB_S)
-_STEADY = np.zeros(len(JOINTS), dtype=bool)
-_STEADY[posture.TRUNK] = True
 HANDS = np.array([[JOINT_INDEX[f"{name}{side}"] for side in ("Left", "Right")]
                   for name in ("Wrist", "Hand", "HandTip", "Thumb")])  # fmt: skip
 """(4, 2) wrists, hands, tips and thumbs, left and right."""
@@ -89,8 +71,6 @@ ELBOWS = np.array([JOINT_INDEX["ElbowLeft"], JOINT_INDEX["ElbowRight"]])
 FOREARM_M, LINK_M = (0.34, 0.42), 0.16
 """No wrist and no hand is so far from its elbow, and no hand so far from its wrist, over the scale: a quarter more than
 a forearm's length, and twice that of half a hand (assumed)."""
-FRESH = -1
-"""State of a joint that has just become known."""
 _BASE, _MID = JOINT_INDEX["SpineBase"], JOINT_INDEX["SpineMid"]
 
 
@@ -152,55 +132,9 @@ def _hold(
         if near(joints[j], before[j], HOLD_M):
             seen[j] = True
         elif twin[j] >= 0 and unseen_s[twin[j]] == 0.0:
-            joints[j] = joints[twin[j]] + CLOSING * (before[j] - before[twin[j]])
+            put(joints[j], joints[twin[j]] + CLOSING * (before[j] - before[twin[j]]))
             seen[j] = True
     _reach(joints, before, scale, unseen_s, seen)
-
-
-@njit(cache=True)
-def _follow(
-    found: Array, seen: posture.Seen, likely: Array, shares: Array, kept: Array, joints: Array,
-    state: NDArray[np.int8], carry: Array,
-) -> None:  # fmt: skip
-    """Move a person's joints on from their predictions.
-
-    Args:
-        found: (25, 3) where votes agree [m].
-        seen: (25,) which of them count.
-        likely: (25, 3) by the posture as a whole [m].
-        shares: of the way to go in this frame: a hidden joint to where it is likely, the trunk from its predicted
-            motion, and a joint of the trunk from the motion that all of it has in common.
-        kept: (25,) share of what was left of the way of a joint that came back, a frame ago.
-        joints: (25, 3) predicted, and afterwards taken in.
-        state: (25,) of the last frame, and afterwards of this one.
-        carry: (25, 3) what is left of such ways.
-    """
-    for j in range(len(joints)):
-        if math.isnan(joints[j, 0]):
-            joints[j], state[j] = likely[j], FRESH
-    moved, steady = np.zeros(3), 0
-    for j in posture.TRUNK:
-        if seen[j] and state[j] == TRACKED:
-            moved += found[j] - joints[j]
-            steady += 1
-    moved /= max(steady, 1)
-    for j in range(len(joints)):
-        before, after = joints[j], joints[j] + moved + shares[0] * (likely[j] - joints[j] - moved)
-        if not seen[j]:
-            carry[j] = 0.0
-            joints[j], state[j] = after, INFERRED
-            continue
-        if state[j] < TRACKED and state[j] != FRESH and not carry[j].any():
-            carry[j] = before + moved - found[j]
-        carry[j] *= kept[j]
-        off = np.abs(carry[j]).max()
-        if off < CLOSE_M:
-            carry[j] = 0.0
-        here = found[j] + carry[j]
-        if state[j] == TRACKED and _STEADY[j]:
-            common = before + shares[1] * moved
-            here = common + shares[2] * (here - common)
-        joints[j], state[j] = here, TRACKED if off < SETTLED_M else INFERRED
 
 
 def wrapped(angle_rad: float) -> float:
@@ -229,6 +163,7 @@ class Person:
         carry: (25, 3) what is left of the way of joints that came back into sight.
         unseen_s: (25,) for how long joints have lacked support.
         patches: what is remembered of the trunk's surface, see `anchoring.nothing_known`.
+        shown: (25,) what the last image says of the limbs, see `showing.shown`.
     """
 
     name: int
@@ -247,6 +182,7 @@ class Person:
     carry: Array = field(default_factory=lambda: np.zeros((len(JOINTS), 3)))
     unseen_s: Array = field(default_factory=lambda: np.zeros(len(JOINTS)))
     patches: Array = field(default_factory=anchoring.nothing_known)
+    shown: NDArray[np.int8] = field(default_factory=lambda: np.zeros(len(JOINTS), np.int8))
 
     @property
     def confirmed(self) -> bool:
@@ -332,9 +268,8 @@ class Person:
         if not posture.likely(joints, seen, *known, self.yaw_rad, self.scale, self.width, likely):
             self.lose(interval_s)
             return
-        own = blend(interval_s, OWN_MOTION_S / (1.0 + (self.spin / SPIN_RAD_S) ** 2))
-        shares = np.array([blend(interval_s, RELAX_S), blend(interval_s, COMMON_S), own])
-        _follow(joints, seen, likely, shares, np.exp(-interval_s / _SETTLE_S), self.joints, self.state, self.carry)
+        mine = self.joints, self.state, self.carry
+        following.follow(joints, seen, likely, self.yaw_rad, self.spin, interval_s, *mine)
         self._go(interval_s)
 
     def anchor(self, cells: Array, predicted: Array, voted: Array, least: float, interval_s: float) -> None:

@@ -14,6 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINTS
+from ..memory import put
 from ..types import Array, IntArray
 from .forest import EXTRAS, LEAF, Leaves, Nodes, descend, extras
 from .model import MILLI, SPREAD_M, Unpacked
@@ -53,7 +54,7 @@ X, Y, Z, WEIGHT, SURE = range(5)
 """Columns of a vote: where [m], how much they count, and how much for being tracked."""
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _rank(v: int, u: int) -> float:
     """A number from 0 to 1 that is spread evenly over any patch of pixels, and always the same at a pixel.
 
@@ -75,7 +76,7 @@ def _yaws(
         if k < 0 or _rank(pixel[i, 0], pixel[i, 1]) >= share[k]:
             continue
         extras(point[i], persons[k], extra)
-        at[:] = roots
+        put(at, roots)
         descend(nodes, image, pixel[i, 0], pixel[i, 1], fx * persons[k, 3] / point[i, 2], extra, at)
         for node in at:
             leaf = int(nodes[node, LEAF])
@@ -128,34 +129,33 @@ def _cast_votes(
                 continue
         reach = fx * scale / z
         extras(point[i], persons[k], extra)
-        at[:] = roots
+        put(at, roots)
         descend(nodes, image, pixel[i, 0], pixel[i, 1], reach, extra, at)
         surface = np.float32(1.0 / part) / (reach * reach)
         size = np.float32(MILLI) * scale
         cos, sin = persons[k, 4] * size, persons[k, 5] * size
         for node in at:
-            leaf = votes[np.uint32(nodes[node, LEAF])]
-            for q in range(len(leaf)):
-                ahead, up, left, aside, beyond, wide, j = leaf[q]
+            leaf = np.uint32(nodes[np.uint32(node), LEAF])
+            for q in range(votes.shape[1]):
+                wide = votes[leaf, q, 5]
                 if wide >= _LOOSE:
                     break
-                row = k * len(JOINTS) + j
-                n = many[row]
+                row = np.uint32(k * len(JOINTS) + votes[leaf, q, 6])
+                n = np.uint32(many[row])
                 if n == MOST:
                     continue
                 many[row] = n + 1
-                to, sums = cast[row, n], first[row]
+                ahead, up, left = votes[leaf, q, 0], votes[leaf, q, 1], votes[leaf, q, 2]
                 weight = surface * _WEIGHTS[wide]
-                to[X] = x - sin * ahead - cos * left + size * aside
-                to[Y] = y + size * up
-                to[Z] = z - cos * ahead + sin * left + size * beyond
-                to[WEIGHT] = weight
-                to[SURE] = weight if wide < _SURE else np.float32(0.0)
+                cast[row, n, X] = x - sin * ahead - cos * left + size * votes[leaf, q, 3]
+                cast[row, n, Y] = y + size * up
+                cast[row, n, Z] = z - cos * ahead + sin * left + size * votes[leaf, q, 4]
+                cast[row, n, WEIGHT] = weight
+                cast[row, n, SURE] = weight if wide < _SURE else np.float32(0.0)
                 if wide < _FIRST:
-                    sums[0] += weight * to[X]
-                    sums[1] += weight * to[Y]
-                    sums[2] += weight * to[Z]
-                    sums[3] += weight
+                    for c in range(3):
+                        first[row, c] += weight * cast[row, n, c]
+                    first[row, 3] += weight
 
 
 @njit(cache=True, error_model="numpy", fastmath=True)
@@ -203,7 +203,8 @@ def _agree(
     for row in range(len(many)):
         k, j = row // len(JOINTS), row % len(JOINTS)
         joint = joints[k, j]
-        joint[:] = here[:] = prior[k, j]
+        put(joint, prior[k, j])
+        put(here, prior[k, j])
         if first[row, 3] > 0.0:
             known = 0.0 if math.isnan(joint[0]) else 0.5
             for c in range(3):
@@ -216,12 +217,12 @@ def _agree(
                 votes[c, n] = cast[row, n, c]
         _shift(votes, many[row], joint, persons[k, 3], 0, pull)
         if _ARM[j] and not math.isnan(here[0]):
-            there[:] = pull
+            put(there, pull)
             _shift(votes, many[row], here, persons[k, 3], 1, pull)
             if there[5] >= LEAST_VOTES and there[4] > pull[4] * (STAY if pull[5] >= LEAST_VOTES else 0.0):
-                pull[:] = there
+                put(pull, there)
             else:
-                joint[:] = here
+                put(joint, here)
         support[k, j], agree[k, j] = pull[4], pull[5]
 
 

@@ -41,7 +41,7 @@ farther off as possible; assumed."""
 PAST_M = 0.05
 """So far past its end a move begins to crawl (assumed)."""
 
-HALT_M = 0.20
+HALT_M = 0.17
 """And so far past it the server halts it, whatever the method says: the next place is somebody else's (assumed)."""
 
 SETTLE_M, SETTLE_M_S = 0.10, 0.08
@@ -233,7 +233,7 @@ class Dispatcher:
             number=1 if self._current is None else self._current.number + 1,
             move=move,
             t_start_s=t_s,
-            speed_m_s=velocity[0] if move is Move.DRIVE else self._speed_m_s(key, move),
+            speed_m_s=velocity[0] if move is Move.DRIVE else self._speed_m_s(key, move, t_s),
             heading_rad=self._heading_rad(key, move),
             iteration=key[0],
             ordinal=key[1],
@@ -253,7 +253,7 @@ class Dispatcher:
             key=lambda key: abs(self._timetable.time_s(key[0], self._steps[key[1]].beat) - t_s),
         )
 
-    def _speed_m_s(self, key: Key, move: Move) -> float:
+    def _speed_m_s(self, key: Key, move: Move, t_s: float) -> float:
         """Cruise that ends a forward move at its nominal end and a backward one on the slot.
 
         With equal limits on speeding up and slowing down a move covers speed x (time from start to stop command),
@@ -261,7 +261,7 @@ class Dispatcher:
         """
         if move not in (Move.FORWARD, Move.BACKWARD):
             return 0.0
-        duration = self._duration_s(key)
+        duration = self._duration_s(key, t_s)
         ahead = self._ahead_m(key[0])
         speed = self._robot.cruise_m_s - ahead / duration if move is Move.FORWARD else ahead / duration
         low, high = SPEED_M_S
@@ -330,10 +330,16 @@ class Dispatcher:
         table = self._timetable
         return table.time_s(iteration, then.beat) - table.time_s(iteration, self._steps[ordinal].beat)
 
-    def _duration_s(self, key: Key) -> float:
-        """Expected time from this step's command to the next one's: the median of the score's and what it took."""
+    def _duration_s(self, key: Key, t_s: float) -> float:
+        """Expected time from a step's command, sent now, to the next one's.
+
+        As the method has scheduled it, else the median of the score's and what it took in earlier iterations.
+        """
         iteration, ordinal = key
         nominal = self._nominal_s(key)
+        then = self._pending.get((iteration, ordinal + 1))
+        if then is not None and not then.last_resort:
+            return max(SHORTEST_S, min(then.t_s - t_s, 2.0 * nominal))
         spans = [nominal]
         for before in range(1, iteration):
             start, stop = self._sent_s.get((before, ordinal)), self._sent_s.get((before, ordinal + 1))

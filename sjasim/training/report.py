@@ -22,13 +22,19 @@ _SIDES = np.array(
     [[JOINT_INDEX[f"{name}{side}"] for side in ("Left", "Right")] for name in ("Shoulder", "Hip", "Knee", "Elbow")]
 )
 MATCH_S = 0.4
+ASTRAY_M = 0.15
+"""A joint so far from the truth should not be called tracked."""
 SEEN_SHARE = 0.9
 """A dancer whose trunk joints are visible in so many frames counts as visible."""
 
 
 def errors(outcomes: Iterable[Outcome]) -> dict[str, float]:
-    """Median and p95 error of visible joints that have a position [cm], shares tracked and lost, left-right swaps."""
-    found, state, seen, swapped, hidden = [], [], [], [], []
+    """Median and p95 error of visible joints that have a position [cm], shares tracked and lost, left-right swaps.
+
+    ``astray`` is the share of all tracked joints, whether visible or not, that are off by more than `ASTRAY_M`;
+    ``astray_visible`` that of the visible ones.
+    """
+    found, state, seen, swapped, hidden, claimed = [], [], [], [], [], []
     for one in outcomes:
         part = slice(WARM_FRAMES, None)
         error = np.linalg.norm(one.found[part] - one.true[part], axis=3)
@@ -36,16 +42,19 @@ def errors(outcomes: Iterable[Outcome]) -> dict[str, float]:
         found.append(error[visible])
         state.append(one.state[part][visible])
         hidden.append(error[~visible])
+        claimed.append(error[~visible & (one.state[part] == TRACKED)])
         seen.append(np.isfinite(error[visible]))
         ways = [(joints[part][:, :, _SIDES[:, 0]] - joints[part][:, :, _SIDES[:, 1]])[..., [0, 2]]
                 for joints in (one.found, one.true)]  # fmt: skip
         swapped.append(((ways[0] * ways[1]).sum(axis=3).sum(axis=2) < 0).ravel())
-    error, known = np.concatenate(found), np.concatenate(seen)
-    lost = np.concatenate(hidden)
+    error, known, tracked = np.concatenate(found), np.concatenate(seen), np.concatenate(state) == TRACKED
+    lost, claims = np.concatenate(hidden), np.concatenate([error[tracked], *claimed])
     return {
         "median_cm": 100 * float(np.median(error[known])),
         "p95_cm": 100 * float(np.percentile(error[known], 95)),
-        "tracked": float((np.concatenate(state) == TRACKED).mean()),
+        "tracked": float(tracked.mean()),
+        "astray": float((claims > ASTRAY_M).mean()),
+        "astray_visible": float((error[tracked] > ASTRAY_M).mean()),
         "lost": float(1.0 - known.mean()),
         "swapped": float(np.concatenate(swapped).mean()),
         "hidden_median_cm": 100 * float(np.nanmedian(lost)) if np.isfinite(lost).any() else math.nan,

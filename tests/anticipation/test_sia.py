@@ -161,12 +161,24 @@ def test_a_missed_move_is_passed_over_when_the_leader_is_past_it(following, stor
     assert (stop.ordinal, stop.person) == (1, "")
     assert stop.why.startswith("fallback")
     assert (start.ordinal, start.person) == (2, "dancer_1")
-    # now a start is lost: its stop withdraws it
+
+
+def test_a_move_whose_stop_was_seen_first_is_made_late_if_time_is_left(following, story):
     following.tell(story.event("dancer_1", 2, TB, story.nominal[3]))
-    skipped, stop = following.tell(story.event("dancer_1", 2, TF, story.nominal[4] + 1.8))
-    assert isinstance(skipped, Withdrawal)
-    assert skipped.ordinal == 4
-    assert stop.ordinal == 5
+    now = story.nominal[5] - 0.2
+    start, stop = following.tell(story.event("dancer_1", 2, TF, now))
+    assert [(one.ordinal, one.person, one.why[:9]) for one in (start, stop)] == [
+        (4, "", "made late"), (5, "", "made late")
+    ]  # fmt: skip
+    assert stop.t_s - start.t_s == pytest.approx(story.nominal[5] - story.nominal[4])
+    assert sent(following.tell(story.event("dancer_1", 2, SB, story.nominal[6]))) == [(6, "dancer_1")]
+
+
+def test_a_move_that_would_not_be_over_in_time_is_passed_over_with_its_stop(following, story):
+    following.tell(story.event("dancer_1", 2, TB, story.nominal[3]))
+    answers = following.tell(story.event("dancer_1", 2, TF, story.nominal[4] + 1.95))
+    assert [type(one) for one in answers] == [Withdrawal, Withdrawal]
+    assert [one.ordinal for one in answers] == [4, 5]
 
 
 def test_the_leaders_missing_time_is_replaced_by_the_schedule(story):

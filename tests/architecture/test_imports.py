@@ -12,7 +12,7 @@ from .source import Import, Module, imports, modules, skin
 
 LEVELS = {
     **dict.fromkeys(("types", "tempo", "answers", "logs", "errors"), 0),
-    **dict.fromkeys(("registry", "clock", "link", "memory", "rays", "contacts"), 1),
+    **dict.fromkeys(("registry", "clock", "link", "memory", "rays", "contacts", "addresses"), 1),
     **dict.fromkeys(("config", "config_io"), 2),
     **dict.fromkeys(("choreography", "assets"), 3),
     **dict.fromkeys(("humans", "robot", "sensors", "server", "anticipation", "record"), 4),
@@ -26,7 +26,7 @@ TOP = 7
 SAME_LEVEL = {
     ("errors", "types"), ("types", "errors"), ("logs", "types"), ("tempo", "errors"), ("answers", "types"),
     ("answers", "tempo"),
-    ("config_io", "config"),
+    ("config_io", "config"), ("addresses", "memory"),
     ("choreography", "assets"),
     ("render", "stage"), ("window", "render"), ("window", "stage"),
     ("ledger", "stage"), ("turns", "stage"), ("turns", "ledger"), ("worlds", "turns"),

@@ -131,7 +131,8 @@ class TestLogs:
     @pytest.mark.parametrize("method", ["sia"])
     def test_a_method_through_the_environment_leaves_the_same_log(self, method):
         options = {"effective_from": 1}
-        log = sjasim.run_session(sjasim.SessionConfig(method=method, seed=4, iterations=1, method_options=options))
+        config = sjasim.SessionConfig(method=method, sensing="joints", seed=4, iterations=1, method_options=options)
+        log = sjasim.run_session(config)
         env = make(method=method, dance={"rehearsal": True}, method_options=options)
         total, rows = dance(env, leave_be, seed=4)
         own = env.unwrapped.session.log()

@@ -119,7 +119,12 @@ def test_an_environment_takes_it(body):
 @pytest.mark.parametrize("seed", [5011, 5012, 5013])
 def test_it_dances_an_iteration_upright_and_is_seen(body, seed):
     config = sjasim.SessionConfig(
-        method="sia", iterations=1, seed=seed, dance=DanceConfig(rehearsal=False), body=BodyConfig(model="cmu")
+        method="sia",
+        sensing="joints",
+        iterations=1,
+        seed=seed,
+        dance=DanceConfig(rehearsal=False),
+        body=BodyConfig(model="cmu"),
     )
     log = sjasim.run_session(config)
     figures = sjasim.measures(log)

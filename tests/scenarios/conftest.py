@@ -1,4 +1,4 @@
-"""Short sessions on real physics: one iteration on nominal beats, no rehearsal, unless a scenario asks for more."""
+"""Short sessions on real physics: one iteration on nominal beats without rehearsal, seen as joints, unless asked."""
 
 import dataclasses
 from types import SimpleNamespace
@@ -9,7 +9,9 @@ from sjasim.analysis.measures import measures
 from sjasim.config import DanceConfig, FaultConfig, SessionConfig
 from sjasim.session import run_session
 
-SHORT = SessionConfig(method="eca", humans="metronomic", iterations=1, dance=DanceConfig(rehearsal=False))
+SHORT = SessionConfig(
+    method="eca", humans="metronomic", sensing="joints", iterations=1, dance=DanceConfig(rehearsal=False)
+)
 
 
 def dance(*faults, **changes):

@@ -1,4 +1,4 @@
-"""Whole dances on unseen seeds against what a session must reach; figures are printed (``-s`` shows them)."""
+"""Whole dances on unseen seeds, joints sensing, against what a session must reach; ``-s`` shows the figures."""
 
 import dataclasses
 import math
@@ -19,7 +19,7 @@ SEEDS = range(9301, 9311)
 
 @pytest.fixture(scope="module", params=SEEDS)
 def danced(request, figures):
-    config = SessionConfig(humans="paper-entrainment", seed=request.param)
+    config = SessionConfig(humans="paper-entrainment", sensing="joints", seed=request.param)
     log = run_session(config)
     result = measures(log)
     figures[request.param] = result
@@ -84,7 +84,7 @@ def test_detectors_and_robot_over_all_seeds(figures):
 
 @pytest.fixture(scope="module")
 def metronomic():
-    config = SessionConfig(humans="metronomic")
+    config = SessionConfig(humans="metronomic", sensing="joints")
     return {method: measures(run_session(dataclasses.replace(config, method=method))) for method in ("eca", "sia")}
 
 
@@ -104,7 +104,8 @@ def test_sia_follows_metronomic_dancers_within_tau(metronomic):
 
 
 def test_an_asymmetric_link_shows_as_half_its_asymmetry():
-    config = SessionConfig(method="eca", humans="metronomic", iterations=1, network=NetworkConfig(uplink_extra_s=0.02))
+    network = NetworkConfig(uplink_extra_s=0.02)
+    config = SessionConfig(method="eca", humans="metronomic", sensing="joints", iterations=1, network=network)
     clocks = measures(run_session(config)).clocks
     for sensor, clock in clocks.items():
         print(f"\n{sensor}: bias {1e3 * clock.bias_s:+.2f} ms")

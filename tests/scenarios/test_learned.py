@@ -14,7 +14,7 @@ from ..anticipation.policies import write
 @pytest.mark.slow
 def test_a_policy_dances_a_whole_session_as_it_does_in_the_environment(tmp_path):
     file = write(tmp_path / "policy.npz")
-    options = {"seed": 6001, "iterations": 4, "performance": "one"}
+    options = {"seed": 6001, "sensing": "joints", "iterations": 4, "performance": "one"}
     log = sjasim.run_session(sjasim.SessionConfig(method="learned", method_options={"policy": file}, **options))
     figures = sjasim.measures(log)
     assert [row.robot_missed for row in figures.iterations] == [0, 0, 0, 0]

@@ -20,7 +20,7 @@ from sjasim.sensors.depth import DepthSensing
 from sjasim.sensors.skeleton import LEAST_TRUNK, SkeletonEstimator, certainty
 from sjasim.training import report
 from sjasim.training.trials import Outcome, Trial, perform, run, stage_dance
-from sjasim.types import INFERRED, NOT_TRACKED, TRACKED
+from sjasim.types import INFERRED, NOT_TRACKED, TRACKED, Skeletons
 
 
 @cache
@@ -61,22 +61,22 @@ def test_figures_by_joint_and_events_can_be_told():
 
 
 @cache
-def frames(count: int = 12) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Depth frames of a trial and the joints that were found in them."""
+def frames(count: int = 12) -> tuple[list[np.ndarray], list[Skeletons]]:
+    """Depth frames of a trial and the skeletons that were found in them."""
     trial = Trial(78, 4.0)
     view, room = stage_dance(trial)
     sensing = DepthSensing(room.mounts[0], SensorConfig(), 3, stream(0, "sensor"))
-    depths, joints = [], []
+    depths, found = [], []
     estimator = SkeletonEstimator(sensing.intrinsics, float(room.mounts[0].position[2]))
     for tick in range(count):
         view.at(tick)
         depths.append(sensing.frame(view))
-        joints.append(estimator.update(view.time_s, depths[-1]).joints)
-    return depths, joints
+        found.append(estimator.update(view.time_s, depths[-1]))
+    return depths, found
 
 
 def test_the_same_frames_give_the_same_skeletons_without_mujoco(tmp_path):
-    depths, joints = frames()
+    depths, before = frames()
     np.savez(tmp_path / "frames.npz", depths=np.array(depths))
     program = f"""
 import sys, math, numpy as np
@@ -85,12 +85,14 @@ from sjasim.sensors.skeleton import SkeletonEstimator
 estimator = SkeletonEstimator(Intrinsics.of(256, math.radians(70.6), math.radians(60.0)), 0.91)
 for tick, depth in enumerate(np.load({str(tmp_path / "frames.npz")!r})["depths"]):
     found = estimator.update(tick / 30, depth)
+    np.savez({str(tmp_path)!r} + f"/{{tick}}.npz", joints=found.joints, state=found.state, persons=found.persons)
 assert "mujoco" not in sys.modules
-np.save({str(tmp_path / "joints.npy")!r}, found.joints)
 """
     subprocess.run([sys.executable, "-c", program], check=True)
-    assert np.array_equal(np.load(tmp_path / "joints.npy"), joints[-1], equal_nan=True)
-    assert joints[-1].shape == (3, 25, 3)
+    for tick, one in enumerate(before):
+        again = np.load(tmp_path / f"{tick}.npz")
+        assert all(np.array_equal(again[name], getattr(one, name), equal_nan=True) for name in again.files)
+    assert before[-1].joints.shape == (3, 25, 3)
 
 
 def estimator() -> SkeletonEstimator:

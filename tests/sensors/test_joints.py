@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sjasim.assets.names import JOINT_INDEX
+from sjasim.assets.names import JOINT_INDEX, JOINTS
 from sjasim.clock import stream
 from sjasim.config import SensorConfig
 from sjasim.registry import resolve
@@ -14,7 +14,10 @@ from sjasim.types import INFERRED, NOT_TRACKED, TRACKED, Skeletons
 
 from .scripted import FRAME_HZ, NORTH, PLACES, Screen, Script, ScriptedView
 
-EXACT = SensorConfig(bias_m=0.0, drift_m=0.0)
+EXACT = SensorConfig(bias_m=0.0, drift_m=0.0, limb_drift_m=0.0)
+STEADY = SensorConfig(drift_m=0.0, limb_drift_m=0.0)
+DRIFTING = SensorConfig(bias_m=0.0)
+BODY = np.array([not name.startswith(("Elbow", "Wrist", "Hand", "Thumb", "Knee", "Ankle", "Foot")) for name in JOINTS])
 
 
 def sensing(config: SensorConfig = EXACT, seed: int = 0, group: int = 3) -> JointsSensing:
@@ -72,33 +75,33 @@ def test_identities_are_a_permutation_of_the_sensors_own():
     assert all(sorted(order) == [0, 1, 2] for order in orders)
 
 
-def test_frame_to_frame_error_is_small_and_the_drift_slow():
-    config = SensorConfig()
-    values = errors(config, 3000)
-    steps = np.diff(values, axis=0)
-    assert steps.std() == pytest.approx(config.drift_m * np.sqrt(2 - 2 * config.drift_correlation), rel=0.02)
-    drift = errors(SensorConfig(bias_m=0.0), 3000)
-    assert drift.std() == pytest.approx(config.drift_m, rel=0.1)
-    correlation = (drift[1:] * drift[:-1]).mean() / (drift**2).mean()
-    assert correlation == pytest.approx(config.drift_correlation, abs=0.002)
+@pytest.mark.parametrize(
+    ("joints", "size_m", "correlation"),
+    [(BODY, DRIFTING.drift_m, DRIFTING.drift_correlation),
+     (~BODY, DRIFTING.limb_drift_m, DRIFTING.limb_drift_correlation)],
+    ids=["body", "limbs"],
+)  # fmt: skip
+def test_the_drift_is_slow_and_faster_in_the_limbs(joints, size_m, correlation):
+    drift = errors(DRIFTING, 3000)[:, :, joints]
+    assert np.diff(drift, axis=0).std() == pytest.approx(size_m * np.sqrt(2 - 2 * correlation), rel=0.02)
+    assert drift.std() == pytest.approx(size_m, rel=0.1)
+    assert (drift[1:] * drift[:-1]).mean() / (drift**2).mean() == pytest.approx(correlation, abs=0.003)
 
 
 def test_bias_is_constant_per_person_and_joint():
-    values = errors(SensorConfig(drift_m=0.0), 50)
+    values = errors(STEADY, 50)
     assert np.ptp(values, axis=0).max() < 1e-12
-    assert values[0].std() == pytest.approx(SensorConfig().bias_m, rel=0.15)
+    assert values[0].std() == pytest.approx(STEADY.bias_m, rel=0.15)
 
 
 def test_drift_runs_on_over_frames_not_taken():
-    sensor, view = sensing(SensorConfig(bias_m=0.0)), stage()
+    sensor, view = sensing(DRIFTING), stage()
     values = []
     for tick in range(0, 12000, 6):
         view.time_s = tick / FRAME_HZ
-        values.append(seen(sensor, view).joints)
+        values.append(seen(sensor, view).joints[:, BODY])
     drift = np.array(values) - np.mean(values, axis=0)
-    assert (drift[1:] * drift[:-1]).mean() / (drift**2).mean() == pytest.approx(
-        SensorConfig().drift_correlation ** 6, abs=0.01
-    )
+    assert (drift[1:] * drift[:-1]).mean() / (drift**2).mean() == pytest.approx(DRIFTING.drift_correlation**6, abs=0.01)
 
 
 def screen_before(view: ScriptedView, dancer: int, joint: str, radius_m: float, **when: float) -> Screen:
@@ -110,7 +113,7 @@ def screen_before(view: ScriptedView, dancer: int, joint: str, radius_m: float, 
 def test_hidden_hand_is_inferred_and_its_error_grows_smoothly():
     view = stage()
     view.screens = [screen_before(view, 0, "HandLeft", 0.08, from_s=1.0, until_s=3.0)]
-    sensor, hand, values, states = sensing(SensorConfig(drift_m=0.0)), JOINT_INDEX["HandLeft"], [], []
+    sensor, hand, values, states = sensing(STEADY), JOINT_INDEX["HandLeft"], [], []
     for tick in range(180):
         view.time_s = tick / FRAME_HZ
         skeletons = seen(sensor, view)
@@ -121,7 +124,7 @@ def test_hidden_hand_is_inferred_and_its_error_grows_smoothly():
     size = np.linalg.norm(values, axis=1)
     assert states[29] == TRACKED
     assert set(states[30:90]) == {INFERRED}
-    assert size[89] / size[29] == pytest.approx(SensorConfig().hidden_factor_hand, rel=0.01)
+    assert size[89] / size[29] == pytest.approx(STEADY.hidden_factor_hand, rel=0.01)
     assert states[90] == INFERRED  # seen again, but not settled yet
     back = states.index(TRACKED, 90)
     assert (back - 90) / FRAME_HZ < 0.45
@@ -136,9 +139,21 @@ def test_hiding_the_torso_makes_no_jump_that_looks_like_motion():
     base = JOINT_INDEX["SpineBase"]
     biggest = 0.0
     for seed in range(30):
-        values = errors(SensorConfig(drift_m=0.0), 90, seed, [screen])[:, :, base, 2]
+        values = errors(STEADY, 90, seed, [screen])[:, :, base, 2]
         biggest = max(biggest, np.abs(values[4:] - values[:-4]).max() / (4 / FRAME_HZ))
     assert biggest < 0.05  # m/s, where a move needs .20
+
+
+def test_what_the_body_holds_in_place_is_tracked_while_hidden_and_farther_off():
+    view, base = stage(), JOINT_INDEX["SpineBase"]
+    screen = screen_before(view, 0, "SpineBase", 0.07, from_s=1.0)
+    view.screens, view.time_s, sensor = [screen], 2.0, sensing()
+    assert seen(sensor, view).state[row(sensor, 0), base] == TRACKED
+    assert not sensor.visible[row(sensor, 0), base]
+    far = np.array([np.linalg.norm(errors(STEADY, 180, seed, [screen])[:, :, base], axis=2) for seed in range(10)])
+    grown = far[:, -1] / far[:, 29]
+    assert grown.max() == pytest.approx(STEADY.hidden_factor, rel=0.01)
+    assert grown.min() == pytest.approx(1.0)  # the others are not hidden
 
 
 def test_a_hidden_torso_makes_the_person_untracked():
@@ -152,15 +167,15 @@ def test_a_hidden_torso_makes_the_person_untracked():
 
 
 def test_own_flesh_does_not_hide_a_joint_but_the_own_body_does():
-    view = stage()
-    joint = view.joints_m[0, JOINT_INDEX["SpineBase"]]
+    view, hand = stage(), JOINT_INDEX["HandLeft"]
+    joint = view.joints_m[0, hand]
     towards = (NORTH.position - joint) / np.linalg.norm(NORTH.position - joint)
     sensor = sensing()
     for radius, before, state in ((0.1, 0.0, TRACKED), (0.1, 0.4, INFERRED)):
         view.screens = [Screen(tuple(joint + before * towards), radius, owner=0)]
-        assert seen(sensor, view).state[row(sensor, 0), JOINT_INDEX["SpineBase"]] == state
+        assert seen(sensor, view).state[row(sensor, 0), hand] == state
     view.screens = [Screen(tuple(joint), 0.1, owner=1)]
-    assert seen(sensing(), view).state[row(sensor, 0), JOINT_INDEX["SpineBase"]] == INFERRED
+    assert seen(sensing(), view).state[row(sensor, 0), hand] == INFERRED
 
 
 @pytest.mark.parametrize("place", [(0.0, -1.3), (0.0, 3.1), (2.6, 0.6), (0.0, 4.0)])

@@ -56,6 +56,25 @@ def test_a_walk_at_constant_speed_is_followed_without_delay():
     assert one.velocity == pytest.approx([0.0, -0.4], abs=0.02)
 
 
+@pytest.mark.parametrize("yaw_rad", [0.0, 0.8, -1.6])
+def test_a_trunk_that_stands_shakes_far_less_than_its_votes(yaw_rad: float):
+    one, rng, depths_m = person(yaw_rad=yaw_rad), np.random.default_rng(0), []
+    for _ in range(90):
+        step(one, standing(0.0, 3.0, yaw_rad) + rng.normal(0.0, 0.005, (25, 3)))
+        depths_m.append(one.joints[0, 2])
+    assert np.std(np.diff(depths_m)) < 0.001
+
+
+@pytest.mark.parametrize("yaw_rad", [0.0, 0.8])
+def test_a_start_is_followed_within_a_frame(yaw_rad: float):
+    one = person(yaw_rad=yaw_rad)
+    ways_m = 0.5 * 1.5 * (np.arange(1, 13) * DT_S) ** 2
+    for way_m in ways_m:
+        step(one, standing(0.0, 3.0 - way_m, yaw_rad))
+    behind_m = one.joints[0, 2] - standing(0.0, 3.0 - ways_m[-1], yaw_rad)[0, 2]
+    assert behind_m < ways_m[-1] - ways_m[-2]
+
+
 def test_a_hidden_arm_goes_with_the_trunk_and_comes_back_without_a_jump_of_the_trunk():
     one, arm = person(), [5, 6, 7, 21, 22]
     seen = ALL.copy()

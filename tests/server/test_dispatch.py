@@ -169,6 +169,13 @@ def test_the_median_of_the_score_and_of_what_it_took_is_expected(dispatcher, wor
     assert dispatcher.due(20.0)[0].speed_m_s == pytest.approx(0.45 / ((1.5 + 4 * 60 / 118) / 2), rel=0.01)
 
 
+@pytest.mark.parametrize(("last_resort", "duration_s"), [(False, 1.3), (True, 4 * BEAT_S)])
+def test_a_stop_that_is_scheduled_sets_the_speed_unless_it_is_a_last_resort(dispatcher, world, last_resort, duration_s):
+    dispatcher.robot(0.0, state(world, 1, 0.45))
+    dispatcher.answer(0.0, [Intention(1, 2, 5.0, ""), Intention(1, 3, 6.3, "", last_resort=last_resort)])
+    assert dispatcher.due(5.0)[0].speed_m_s == pytest.approx(0.45 / duration_s)
+
+
 def test_a_move_that_nobody_stops_crawls_past_its_end(dispatcher, world):
     dispatcher.answer(0.0, [Intention(1, 0, 5.0, "")])
     (command,) = dispatcher.due(5.0)
