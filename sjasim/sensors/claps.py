@@ -5,9 +5,11 @@ together for a while; which of the small numbers of that while is the least is c
 minimum is where the ratio falls by less than `STILL_RATIO` between frames.
 
 The event comes with the frame after the minimum. Hands must have been apart (above `APART_RATIO`) since the last clap,
-which must be ``clap_rest_s`` ago: hands held together clap once. Touching hands hide each other, so they may be
-inferred as they meet, if they were last tracked nearer than `NEAR_RATIO`. A time longer than a memory's without tracked
-hands forgets everything, so that hands that jump into sight cannot clap.
+which must be ``clap_rest_s`` ago: hands held together clap once. A hand that was inferred to be apart from the other,
+behind somebody's arm, say, and comes into sight on its way was so if it is then seen farther off than `MIDWAY_RATIO`.
+Touching hands hide each other, so they may be inferred as they meet, if they were last tracked nearer than
+`NEAR_RATIO`. A time longer than a memory's without tracked hands forgets everything, so that hands that jump into sight
+cannot clap.
 """
 
 from __future__ import annotations
@@ -21,6 +23,9 @@ from .thresholds import Record, Records
 
 APART_RATIO = 0.8
 """Above this ratio hands are apart; arms that hang or open for a clap have 1.1 to 1.4."""
+
+MIDWAY_RATIO = 0.4
+"""Hands in sight farther apart than this do not touch: they may yet come together (assumed)."""
 
 NEAR_RATIO = 1.0
 """Hands nearer than this may clap: early starts are disarmed until ``clap_rest_s`` after it, also when the clap
@@ -38,6 +43,7 @@ HANDS = np.dtype([
     ("t_near_s", np.float64),  # when tracked hands were last near
     ("t_seen_s", np.float64),  # when they were last tracked
     ("apart", np.bool_),  # whether they have been apart since the last clap
+    ("guessed", np.bool_),  # whether they were inferred to be apart before they came into sight
     ("near", np.bool_),  # whether they were near when they were last tracked
 ])  # fmt: skip
 """What is remembered of one person's hands; times are the sensor's."""
@@ -45,7 +51,7 @@ HANDS = np.dtype([
 
 def unseen_hands(count: int) -> Records:
     """(count,) `HANDS` that nobody has seen yet."""
-    never = (nan, nan, nan, -inf, -inf, -inf, False, False)
+    never = (nan, nan, nan, -inf, -inf, -inf, False, False, False)
     return np.array([never] * count, dtype=HANDS)
 
 
@@ -64,6 +70,7 @@ def met_s(hands: Record, t_s: float, ratio: float, tracked: bool, memory_s: floa
     Returns:
         the time at which the hands met, or NaN.
     """
+    hands.guessed = ratio >= MIDWAY_RATIO and hands.guessed if tracked else hands.guessed or ratio > APART_RATIO
     if tracked and not isnan(ratio):
         hands.t_seen_s = t_s
         hands.near = ratio < NEAR_RATIO
@@ -81,7 +88,8 @@ def met_s(hands: Record, t_s: float, ratio: float, tracked: bool, memory_s: floa
         hands.t_clap_s = t_s
         hands.apart = False
         return float(t_least_s)
-    hands.apart = hands.apart or (tracked and ratio > max(APART_RATIO, rules.clap_ratio))
+    least_apart = MIDWAY_RATIO if hands.guessed else max(APART_RATIO, rules.clap_ratio)
+    hands.apart = hands.apart or (tracked and ratio > least_apart)
     return nan
 
 

@@ -16,6 +16,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
+from ..memory import put
 from ..types import INFERRED, TRACKED, Array
 from .posture import TRUNK, Seen
 
@@ -87,7 +88,8 @@ def follow(
     """
     for j in range(len(joints)):
         if math.isnan(joints[j, 0]):
-            joints[j], state[j] = likely[j], FRESH
+            put(joints[j], likely[j])
+            state[j] = FRESH
     moved, steady = np.zeros(3), 0
     for j in TRUNK:
         if seen[j] and state[j] == TRACKED:
@@ -101,11 +103,12 @@ def follow(
         before, after = joints[j], joints[j] + moved + relaxed * (likely[j] - joints[j] - moved)
         if not seen[j]:
             carry[j] = 0.0
-            joints[j], state[j] = after, INFERRED
+            put(joints[j], after)
+            state[j] = INFERRED
             continue
         if state[j] < TRACKED and state[j] != FRESH and not carry[j].any():
-            carry[j] = before + moved - found[j]
-        carry[j] *= math.exp(-interval_s / (SETTLE_TRUNK_S if _TRUNK[j] else SETTLE_LIMB_S))
+            put(carry[j], before + moved - found[j])
+        put(carry[j], carry[j] * math.exp(-interval_s / (SETTLE_TRUNK_S if _TRUNK[j] else SETTLE_LIMB_S)))
         off = np.abs(carry[j]).max()
         if off < CLOSE_M:
             carry[j] = 0.0
@@ -114,4 +117,5 @@ def follow(
             for c in range(3):
                 along = before[c] + common[c]
                 here[c] = along + own * _sure(here[c] - along, OWN_M) * (here[c] - along)
-        joints[j], state[j] = here, TRACKED if off < SETTLED_M else INFERRED
+        put(joints[j], here)
+        state[j] = TRACKED if off < SETTLED_M else INFERRED

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..assets.names import JOINTS
 from ..errors import SjasimError
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array, Skeletons
-from . import anchoring, posture, segmentation, showing, tracking
+from . import anchoring, hands, posture, segmentation, showing, tracking
 from .camera import Intrinsics
 from .model import Model, default, unpacked
 from .segmentation import Foreground
@@ -97,6 +97,7 @@ class SkeletonEstimator:
         self._model = unpacked(model or default())
         self._votes = Votes(self._model, MOST_PERSONS)
         self._scene = Foreground.room(intrinsics)
+        self._lens = hands.lens(intrinsics, height_m)
         self._per_pixel = 1.0 / (intrinsics.fx * intrinsics.fy)
         self._persons: list[Person] = []
         self._low = np.full(2, np.nan)
@@ -187,15 +188,16 @@ class SkeletonEstimator:
         taken = shares(body[:, 0], VOTING)
         joints, support, agree = self._votes.joints(self._scene, taken, fx, rows, prior)
         _join_hands(joints, support, agree)
+        seen = (support > self._model.support) & (agree >= LEAST_VOTES) & np.isfinite(joints[:, :, 0])
+        hands.settle(self._scene, self._lens, places[:, 1], scales, prior, joints, seen)
         cells = anchoring.gathered(self._scene, prior, scales)
         for k, person in enumerate(persons):
             if surface[k] < LEAST_M2 or self._half_out(*body[k, 1:3]):
                 person.lose(interval_s)
                 continue
-            seen = (support[k] > self._model.support) & (agree[k] >= LEAST_VOTES) & np.isfinite(joints[k, :, 0])
-            person.hold(joints[k], seen, agree[k] > 0.0, interval_s)
-            person.see(joints[k], seen, self._model, interval_s)
-            voted = np.where(seen[:, None], joints[k], np.nan)
+            person.hold(joints[k], seen[k], agree[k] > 0.0, interval_s)
+            person.see(joints[k], seen[k], self._model, interval_s)
+            voted = np.where(seen[k][:, None], joints[k], np.nan)
             person.anchor(cells[k], prior[k], voted, anchoring.LEAST_M2 / pixel_m2[k], interval_s)
         joints = np.array([person.joints for person in persons])
         shown = showing.shown(self._scene.image, self._intrinsics, self._height_m, joints, scales)

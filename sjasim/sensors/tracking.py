@@ -14,6 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
+from ..memory import put
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array
 from . import anchoring, following, posture
 from .model import Unpacked
@@ -66,6 +67,10 @@ RISE_S, SINK_S, HIDDEN_SHARE = 0.3, 4.0, 0.93
 HANDS = np.array([[JOINT_INDEX[f"{name}{side}"] for side in ("Left", "Right")]
                   for name in ("Wrist", "Hand", "HandTip", "Thumb")])  # fmt: skip
 """(4, 2) wrists, hands, tips and thumbs, left and right."""
+ELBOWS = np.array([JOINT_INDEX["ElbowLeft"], JOINT_INDEX["ElbowRight"]])
+FOREARM_M, LINK_M = (0.34, 0.42), 0.16
+"""No wrist and no hand is so far from its elbow, and no hand so far from its wrist, over the scale: a quarter more than
+a forearm's length, and twice that of half a hand (assumed)."""
 _BASE, _MID = JOINT_INDEX["SpineBase"], JOINT_INDEX["SpineMid"]
 
 
@@ -82,9 +87,28 @@ def near(one: Array, other: Array, limit_m: float) -> bool:
 
 
 @njit(cache=True)
+def _reach(joints: Array, before: Array, scale: float, unseen_s: Array, seen: posture.Seen) -> None:
+    """See no wrist and no hand beyond a forearm's reach, and no hand held where its wrist is not, or the reverse."""
+    for side in range(2):
+        wrist, fist, elbow = HANDS[0, side], HANDS[1, side], ELBOWS[side]
+        place = joints[elbow] if seen[elbow] else before[elbow]
+        for j, limit_m in ((wrist, FOREARM_M[0]), (fist, FOREARM_M[1])):
+            if seen[j] and not math.isnan(place[0]) and not near(joints[j], place, limit_m * scale):
+                seen[j] = False
+        held = wrist if unseen_s[wrist] > unseen_s[fist] else fist
+        if (
+            seen[wrist]
+            and seen[fist]
+            and unseen_s[held] > 0.0
+            and not near(joints[wrist], joints[fist], LINK_M * scale)
+        ):
+            seen[held] = False
+
+
+@njit(cache=True)
 def _hold(
-    joints: Array, before: Array, state: NDArray[np.int8], weak: posture.Seen, yaw_rad: float, interval_s: float,
-    unseen_s: Array, seen: posture.Seen,
+    joints: Array, before: Array, state: NDArray[np.int8], weak: posture.Seen, yaw_rad: float, scale: float,
+    interval_s: float, unseen_s: Array, seen: posture.Seen,
 ) -> None:  # fmt: skip
     """See `Person.hold`; ``before`` are the joints as predicted."""
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
@@ -108,8 +132,9 @@ def _hold(
         if near(joints[j], before[j], HOLD_M):
             seen[j] = True
         elif twin[j] >= 0 and unseen_s[twin[j]] == 0.0:
-            joints[j] = joints[twin[j]] + CLOSING * (before[j] - before[twin[j]])
+            put(joints[j], joints[twin[j]] + CLOSING * (before[j] - before[twin[j]]))
             seen[j] = True
+    _reach(joints, before, scale, unseen_s, seen)
 
 
 def wrapped(angle_rad: float) -> float:
@@ -224,7 +249,7 @@ class Person:
             weak: (25,) for which of them there is a vote at all; changed in place.
             interval_s: since the last frame.
         """
-        _hold(joints, self.joints, self.state, weak, self.yaw_rad, interval_s, self.unseen_s, seen)
+        _hold(joints, self.joints, self.state, weak, self.yaw_rad, self.scale, interval_s, self.unseen_s, seen)
 
     def see(self, joints: Array, seen: posture.Seen, model: Unpacked, interval_s: float) -> None:
         """Take in a frame's joints.

@@ -14,6 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINTS
+from ..memory import put
 from ..types import Array, IntArray
 from .forest import EXTRAS, LEAF, Leaves, Nodes, descend, extras
 from .model import MILLI, SPREAD_M, Unpacked
@@ -75,7 +76,7 @@ def _yaws(
         if k < 0 or _rank(pixel[i, 0], pixel[i, 1]) >= share[k]:
             continue
         extras(point[i], persons[k], extra)
-        at[:] = roots
+        put(at, roots)
         descend(nodes, image, pixel[i, 0], pixel[i, 1], fx * persons[k, 3] / point[i, 2], extra, at)
         for node in at:
             leaf = int(nodes[node, LEAF])
@@ -128,7 +129,7 @@ def _cast_votes(
                 continue
         reach = fx * scale / z
         extras(point[i], persons[k], extra)
-        at[:] = roots
+        put(at, roots)
         descend(nodes, image, pixel[i, 0], pixel[i, 1], reach, extra, at)
         surface = np.float32(1.0 / part) / (reach * reach)
         size = np.float32(MILLI) * scale
@@ -202,7 +203,8 @@ def _agree(
     for row in range(len(many)):
         k, j = row // len(JOINTS), row % len(JOINTS)
         joint = joints[k, j]
-        joint[:] = here[:] = prior[k, j]
+        put(joint, prior[k, j])
+        put(here, prior[k, j])
         if first[row, 3] > 0.0:
             known = 0.0 if math.isnan(joint[0]) else 0.5
             for c in range(3):
@@ -215,12 +217,12 @@ def _agree(
                 votes[c, n] = cast[row, n, c]
         _shift(votes, many[row], joint, persons[k, 3], 0, pull)
         if _ARM[j] and not math.isnan(here[0]):
-            there[:] = pull
+            put(there, pull)
             _shift(votes, many[row], here, persons[k, 3], 1, pull)
             if there[5] >= LEAST_VOTES and there[4] > pull[4] * (STAY if pull[5] >= LEAST_VOTES else 0.0):
-                pull[:] = there
+                put(pull, there)
             else:
-                joint[:] = here
+                put(joint, here)
         support[k, j], agree[k, j] = pull[4], pull[5]
 
 

@@ -162,6 +162,7 @@ def test_hands_that_touch_stay_known_for_a_while_and_hands_apart_do_not():
         one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
         joints[left] = joints[1] + [0.5 * gap_m, 0.1, -0.3]
         joints[right] = joints[left] - [gap_m, 0.0, 0.0]
+        joints[tracking.ELBOWS] = joints[left[0]] + [[0.15, -0.2, 0.1], [-0.15, -0.2, 0.1]]
         step(one, joints)
         for _ in range(6):
             step(one, joints)
@@ -206,6 +207,7 @@ def test_a_hand_hidden_as_two_meet_is_beside_the_other():
     one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
     joints[left] = joints[1] + [0.08, 0.1, -0.3]
     joints[right] = joints[left] - [0.15, 0.0, 0.0]
+    joints[tracking.ELBOWS] = joints[left[0]] + [[0.15, -0.2, 0.1], [-0.15, -0.2, 0.1]]
     one.joints = joints.copy()
     found = joints.copy()
     found[right] += [0.0, -0.6, 0.0]
@@ -226,3 +228,24 @@ def test_a_hand_with_too_few_votes_stays_known_for_longer_but_not_elsewhere():
             one.hold(joints, counted, ALL, DT_S)
             assert counted[left] == ((tick + 1) * DT_S - 1e-9 < held_s)
             step(one, joints, counted)
+
+
+def test_no_hand_is_farther_from_its_elbow_than_a_forearm():
+    wrist, fist = tracking.HANDS[:2, 0]
+    one, joints = person(), standing(0.0, 3.0)
+    for off_m, believed in ((0.0, True), (0.4, False)):
+        found = joints.copy()
+        found[[wrist, fist], 1] -= off_m
+        one.joints = found.copy()
+        assert held(found, ALL, one)[[wrist, fist]].tolist() == [believed, believed]
+
+
+def test_a_hand_held_without_votes_away_from_its_wrist_is_not_seen():
+    wrist, fist = tracking.HANDS[:2, 0]
+    one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
+    elbow = tracking.ELBOWS[0]
+    joints[wrist], joints[fist] = joints[elbow] + [0.0, -0.25, 0.0], joints[elbow] + [0.0, 0.25, 0.0]
+    one.joints, seen[fist] = joints.copy(), False
+    counted = held(joints, seen, one)
+    assert counted[wrist]
+    assert not counted[fist]
