@@ -46,14 +46,14 @@ def ball(px: float, py: float, pz: float, dx: float, dy: float, dz: float, radiu
     return float(first((-b - root) / a, (root - b) / a))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _cap(px: float, py: float, z: float, dx: float, dy: float, dz: float, radius: float, way: float) -> float:
     """Root of the sphere at a capsule's end, entering (``way`` -1) or leaving it (1); NaN without one."""
     a, b = dx * dx + dy * dy + dz * dz, px * dx + py * dy + z * dz
     return (way * sqrt(b * b - a * (px * px + py * py + z * z - radius * radius)) - b) / a
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def capsule(px: float, py: float, pz: float, dx: float, dy: float, dz: float, radius: float, half: float) -> float:
     """A capsule along z: a ray that meets the endless cylinder enters by its side or by the end that it comes to."""
     a, b = dx * dx + dy * dy, px * dx + py * dy

@@ -17,7 +17,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..choreography.layout import Mount
-from ..rays.primitives import BOX, CAPSULE, CYLINDER, ELLIPSOID, PLANE, TINY, meet, normal
+from ..rays.primitives import BOX, CAPSULE, CYLINDER, ELLIPSOID, PLANE, TINY, capsule, meet, normal
 from ..types import Array, Geoms, IntArray
 
 NEAR_M = 0.05
@@ -140,17 +140,12 @@ def _bounds(
 
 @njit(cache=True, error_model="numpy")
 def cast(
-    form: IntArray,
-    size: Array,
-    position: Array,
-    rotation: Array,
-    fx: float,
-    fy: float,
-    depth: Array,
-    geom: NDArray[np.int16],
-    facing: NDArray[np.float32],
-) -> None:
+    form: IntArray, size: Array, position: Array, rotation: Array, fx: float, fy: float, depth: Array,
+    geom: NDArray[np.int16], facing: NDArray[np.float32],
+) -> None:  # fmt: skip
     """Fill a picture.
+
+    Bodies are capsules, which are therefore met without asking for their form at every pixel.
 
     Args:
         form: (G,) codes.
@@ -166,6 +161,7 @@ def cast(
     height, width = depth.shape
     middle_u, middle_v = (width - 1) / 2, (height - 1) / 2
     depth[:], geom[:], facing[:] = np.inf, -1, 0.0
+    slopes = (np.arange(width) - middle_u) / fx
     for g in range(len(form)):
         at, turn, own, kind = position[g], rotation[g], size[g], form[g]
         if kind == PLANE:
@@ -175,13 +171,17 @@ def cast(
         px = -(turn[0, 0] * at[0] + turn[1, 0] * at[1] + turn[2, 0] * at[2])
         py = -(turn[0, 1] * at[0] + turn[1, 1] * at[1] + turn[2, 1] * at[2])
         pz = -(turn[0, 2] * at[0] + turn[1, 2] * at[1] + turn[2, 2] * at[2])
+        radius, half = own[0], own[1]
         for v in range(top, bottom + 1):
             y = (middle_v - v) / fy
             ax, ay, az = turn[1, 0] * y + turn[2, 0], turn[1, 1] * y + turn[2, 1], turn[1, 2] * y + turn[2, 2]
             for u in range(left, right + 1):
-                x = (u - middle_u) / fx
+                x = slopes[u]
                 dx, dy, dz = turn[0, 0] * x + ax, turn[0, 1] * x + ay, turn[0, 2] * x + az
-                t = meet(kind, own, px, py, pz, dx, dy, dz)
+                if kind == CAPSULE:
+                    t = capsule(px, py, pz, dx, dy, dz, radius, half)
+                else:
+                    t = meet(kind, own, px, py, pz, dx, dy, dz)
                 if t < depth[v, u]:
                     nx, ny, nz = normal(kind, own, px + t * dx, py + t * dy, pz + t * dz)
                     square = (nx * nx + ny * ny + nz * nz) * (x * x + y * y + 1.0)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
@@ -20,6 +22,8 @@ from .skeleton import SkeletonEstimator
 BoolArray = NDArray[np.bool_]
 
 NOT_A_DANCER = -1
+AHEAD_M = 0.05
+"""What is nearer to the image plane than this is out of sight."""
 OWN_M = 0.60
 """A person farther than this from every dancer is nobody (for the record only)."""
 _BASE = JOINT_INDEX["SpineBase"]
@@ -97,6 +101,36 @@ class DepthSensing:
         return seen[self._last.dancers]
 
 
+@njit(cache=True, error_model="numpy")
+def _look(
+    joints: Array, fx: float, fy: float, geom: NDArray[np.int16], depth: Array, owner: IntArray, out: BoolArray
+) -> None:
+    """Mark the joints (D, 25, 3) whose pixel shows nothing before them but their own dancer's flesh."""
+    height, width = geom.shape
+    for d in range(joints.shape[0]):
+        for j in range(joints.shape[1]):
+            x, y, z = joints[d, j]
+            if z > AHEAD_M:
+                u, v = np.rint((width - 1) / 2 + fx * x / z), np.rint((height - 1) / 2 - fy * y / z)
+                if 0.0 <= u < width and 0.0 <= v < height:
+                    row, column = int(v), int(u)
+                    g = geom[row, column]
+                    own = g >= 0 and owner[g] == d
+                    out[d, j] = depth[row, column] >= z - (FLESH_M[j] if own else 0.0)
+
+
+@njit(cache=True)
+def _name(seen: Array, joints: Array, out: IntArray) -> None:
+    """Write which dancer of (D, 25, 3) is nearest to each person of (P, 25, 3), by SpineBase over the floor."""
+    for p in range(len(seen)):
+        best = OWN_M
+        for d in range(len(joints)):
+            x, z = seen[p, _BASE, 0] - joints[d, _BASE, 0], seen[p, _BASE, 2] - joints[d, _BASE, 2]
+            away = math.sqrt(x * x + z * z)
+            if away < best:
+                best, out[p] = away, d
+
+
 class _Last:
     """The last frame's truth, looked at when somebody asks; valid until the camera's next picture."""
 
@@ -109,25 +143,16 @@ class _Last:
 
     @cached_property
     def dancers(self) -> IntArray:
-        """(P,) nearest dancer by SpineBase and trunk, -1 for nobody near."""
-        if self.skeletons is None or len(self.skeletons.persons) == 0 or len(self._joints) == 0:
-            return np.zeros(0 if self.skeletons is None else len(self.skeletons.persons), dtype=np.int64) - 1
-        base = self.skeletons.joints[:, _BASE][:, [0, 2]]
-        away = np.linalg.norm(base[:, None] - self._joints[None, :, _BASE][..., [0, 2]], axis=2)
-        away = np.where(np.isnan(away), np.inf, away)
-        nearest = away.argmin(axis=1)
-        return np.where(away.min(axis=1) < OWN_M, nearest, NOT_A_DANCER).astype(np.int64)
+        """(P,) nearest dancer by SpineBase, -1 for nobody near."""
+        out = np.full(0 if self.skeletons is None else len(self.skeletons.persons), NOT_A_DANCER, dtype=np.int64)
+        if self.skeletons is not None:
+            _name(self.skeletons.joints, self._joints, out)
+        return out
 
     @cached_property
     def visible(self) -> BoolArray:
         """(D, 25) joints whose pixel shows nothing before them but their own dancer's flesh."""
-        x, y, z = np.moveaxis(self._joints, -1, 0)
         pinhole, picture = self._intrinsics, self._picture
-        ahead = np.where(z > 0.05, z, np.inf)
-        column = np.rint((pinhole.width - 1) / 2 + pinhole.fx * x / ahead).astype(np.int64)
-        row = np.rint((pinhole.height - 1) / 2 - pinhole.fy * y / ahead).astype(np.int64)
-        inside = (column >= 0) & (column < pinhole.width) & (row >= 0) & (row < pinhole.height) & np.isfinite(ahead)
-        column, row = np.where(inside, column, 0), np.where(inside, row, 0)
-        geom, depth = picture.geom[row, column], picture.depth_m[row, column]
-        own = np.where(geom >= 0, self._owner[geom], -1) == np.arange(len(z))[:, None]
-        return np.asarray(inside & (depth >= z - FLESH_M * own))
+        out = np.zeros(self._joints.shape[:2], dtype=bool)
+        _look(self._joints, pinhole.fx, pinhole.fy, picture.geom, picture.depth_m, self._owner, out)
+        return out
