@@ -209,7 +209,7 @@ class SkeletonEstimator:
         if seen[hands.FISTS].all():
             return None
         of = person.place, person.yaw_rad, person.scale, self._model.memory, self._model.mean
-        return freespace.believed(self._scene.image, self._lens, *of)
+        return np.asarray(freespace.believed(self._scene.image, self._lens, *of))
 
     def _half_out(self, x_m: float, z_m: float) -> bool:
         """Whether the picture cuts off half of somebody whose visible surface has its middle there."""
