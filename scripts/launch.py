@@ -21,6 +21,7 @@ STAMP = VENV / "sjasim-install.json"
 WINDOWS = os.name == "nt"
 PYTHON = VENV / ("Scripts/python.exe" if WINDOWS else "bin/python")
 OLDEST = (3, 11)
+SIGN_OF_LIFE_S = 20
 PROBE = "import json, struct, sys; print(json.dumps([list(sys.version_info[:2]), struct.calcsize('P') * 8]))"
 USAGE = """usage: launch.py [--python PYTHON] NAME [ARGS ...]
 
@@ -100,7 +101,7 @@ def install(python: str) -> None:
     installer = [uv, "pip", "install", "--python", str(PYTHON)] if uv else [str(PYTHON), "-m", "pip", "install"]
     # No byte-compiling of 1.2 GB beforehand: Python compiles what is used when it is used.
     quiet = ["--quiet"] if uv else ["--quiet", "--no-compile", "--disable-pip-version-check"]
-    target = ["-e", f"{ROOT}[test,dev,plots]", "-c", str(ROOT / "constraints.txt")]
+    target = ["-e", f"{ROOT}[test,dev,plots,video]", "-c", str(ROOT / "constraints.txt")]
     call([*installer, *quiet, *target], "the installation failed (see above); the same command tries again")
     if (ROOT / "sjasim" / "warm.py").exists():
         call([str(PYTHON), "-c", "import sjasim.warm"], "sjasim was installed but does not start (see above)")
@@ -178,7 +179,7 @@ def make_venv(python: str, uv: object) -> None:
     if VENV.exists():
         shutil.rmtree(str(VENV), ignore_errors=True)
     if uv:
-        call([uv, "venv", "--quiet", "--python", python, str(VENV)], "uv could not make .venv (see above)")
+        call([uv, "venv", "--quiet", "--seed", "--python", python, str(VENV)], "uv could not make .venv (see above)")
         return
     if subprocess.call([python, "-c", "import venv, ensurepip"], stderr=subprocess.DEVNULL) != 0:
         raise ProblemError(f"{python} lacks venv or ensurepip: on Debian or Ubuntu, apt-get install python3-venv")
@@ -186,8 +187,20 @@ def make_venv(python: str, uv: object) -> None:
 
 
 def call(command: list, complaint: str) -> None:
-    """Run a step of the installation, its chatter on stderr so that stdout stays the command's own."""
-    if subprocess.call(command, stdout=2) != 0:
+    """Run a step of the installation, its chatter on stderr so that stdout stays the command's own.
+
+    A step that takes long says so from time to time.
+    """
+    waited_s = 0
+    with subprocess.Popen(command, stdout=2) as process:
+        while True:
+            try:
+                code = process.wait(timeout=SIGN_OF_LIFE_S)
+                break
+            except subprocess.TimeoutExpired:
+                waited_s += SIGN_OF_LIFE_S
+                say(f"sjasim: still at it after {waited_s} s")
+    if code != 0:
         raise ProblemError(complaint)
 
 

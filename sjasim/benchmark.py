@@ -18,7 +18,7 @@ from rich.table import Table
 from . import cli
 from .config import SessionConfig
 
-ABOUT = "Performance figures of one session; a figure whose room does not exist yet is null."
+ABOUT = "What a session, a depth frame and an environment's step cost to compute, on this machine."
 
 FIGURES = (
     "raw_physics_sim_s_per_cpu_s", "session_sim_s_per_cpu_s_joints", "session_cost_ratio_joints",

@@ -104,9 +104,9 @@ def check_target(folder: Path, *, overwrite: bool) -> None:
         ConfigError: it is a file, or holds something that is not to be replaced.
     """
     if folder.exists() and not folder.is_dir():
-        raise ConfigError("out", folder, "a folder")
+        raise ConfigError("out", str(folder), "a folder")
     if folder.exists() and any(folder.iterdir()) and not (overwrite and (folder / FILE).exists()):
-        raise ConfigError("out", folder, "a new or an empty folder; --overwrite replaces an earlier report card")
+        raise ConfigError("out", str(folder), "a new or an empty folder; --overwrite replaces an earlier report card")
 
 
 def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:

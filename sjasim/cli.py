@@ -90,8 +90,11 @@ def config_from(arguments: Sequence[str]) -> SessionConfig:
 
 
 def _one_line(text: str) -> str:
-    """An error box as one line: without its frame, title, rules, and what it says of the option at large."""
-    lines = [line for line in text.splitlines() if not line.startswith("╭")]
-    words = " ".join(re.sub(r"[─│╰╯]+", " ", line) for line in lines if "--help" not in line).split()
+    """An error box as one line: without its frame, title, rules, and what it says of options at large."""
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("╭")]
+    if len(lines) > 1 and set(lines[1].strip()) == {"-"}:  # a title above its rule: boxes have no frames in ASCII
+        lines = lines[2:]
+    words = " ".join(re.sub(r"[─│╰╯]+|-{5,}", " ", line) for line in lines if "--help" not in line).split()
     said = " ".join(words).partition(" Argument helptext:")[0]
+    said = re.sub(r" Perhaps you meant: (--\S+).*", r"; perhaps you meant \1", said)
     return said or "these arguments are not understood"

@@ -56,8 +56,7 @@ def command(arguments: Sequence[str]) -> None:
         count = save_mcap(read_whole(options.folder), options.mcap)
         sys.stderr.write(f"{count} messages in {options.mcap}\n")
     if options.csv is not None:
-        for table in tables:
-            save_csv(options.folder / f"{table}.parquet", options.csv / f"{table}.csv")
+        save_csv({options.folder / f"{table}.parquet": options.csv / f"{table}.csv" for table in tables})
         sys.stderr.write(f"{len(tables)} tables in {options.csv}\n")
 
 

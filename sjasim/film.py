@@ -86,7 +86,7 @@ def check_writer() -> None:
     try:
         import imageio_ffmpeg  # noqa: F401
     except ImportError:
-        raise RecordError("films need imageio-ffmpeg: pip install 'sjasim[video]'") from None
+        raise RecordError("films need imageio-ffmpeg: pip install imageio-ffmpeg") from None
 
 
 def title(session: Session, now: float) -> str:

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 import tyro
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
@@ -236,9 +237,9 @@ def dance(config: SessionConfig, audience: Audience | None = None) -> SessionLog
 
 def show(summary: Mapping[str, Any], console: Console) -> None:
     """Print a session's figures for people: a table by iteration, then a line for each part's work."""
-    table = Table(title=f"{summary['method']}, seed {summary['seed']}, {summary['humans']} dancers")
+    table = Table(title=escape(f"{summary['method']}, seed {summary['seed']}, {summary['humans']} dancers"))
     for name in ("iteration", "GSI", "GSI, full edges", "GSI, true onsets", "MSP", "TA [s]", "missed"):
-        table.add_column(name, justify="right")
+        table.add_column(escape(name), justify="right")  # [s] is a unit, not a style
     for row in summary["iterations"]:
         indices = (_number(row[key]) for key in ("gsi", "gsi_full_edges", "gsi_truth"))
         table.add_row(str(row["index"]), *indices, row["msp"], _number(row["ta_mean_s"], 2), str(row["robot_missed"]))
@@ -254,8 +255,8 @@ def remarks(summary: Mapping[str, Any]) -> list[str]:
     """What the table does not hold, one line each."""
     detector, robot = summary["detector"], summary["robot"]
     lines = [
-        f"detectors: recall {_number(detector['recall'])}, precision {_number(detector['precision'])}, "
-        f"95 % of timings within {_number(detector['timing_p95_s'])} s"
+        f"detectors: recall {_number(detector['recall'])} in sight, precision {_number(detector['precision'])}, "
+        f"95 % of times within {_number(detector['timing_p95_s'])} s"
     ]
     if robot["commands"]:
         lines.append(

@@ -42,13 +42,17 @@ class Options:
 
 def command(arguments: Sequence[str]) -> None:
     """Check the folders, then open the viewer or take the picture."""
+    from .record.folder import read_summary
+
     options = cli.parse(Options, arguments, None, "python -m sjasim.view", ABOUT)
     picture = options.screenshot
+    folders = [options.folder, *([options.other] if options.other else [])]
+    for folder in folders:
+        read_summary(folder)
     if picture is None:
         check_display("a picture needs none: --screenshot FILE.png")
     else:
         check_file(picture, options.overwrite)
-    folders = [options.folder, *([options.other] if options.other else [])]
     with tempfile.TemporaryDirectory(prefix="sjasim-") as place:
         recording, moment = prepared(folders, Path(place))
         if picture is None:

@@ -82,7 +82,9 @@ def test_a_tiny_run_leaves_numbers_and_a_page(tmp_path, capsys):
     assert "| start_forward" in page
     assert "| astray" in page
     assert cli.main(characterise.command, [*TINY, "--out", str(folder)]) == 2
-    assert "--overwrite" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "--overwrite" in said
+    assert f"out = '{folder}'" in said
 
 
 @pytest.mark.parametrize(

@@ -48,6 +48,7 @@ def test_a_table_by_default(danced, capsys):
     assert call("--method", "eca", "--iterations", "2") == 0
     out = capsys.readouterr().out
     assert "GSI" in out
+    assert "[s]" in out  # the unit of TA
     assert "detectors: recall 1.000" in out
     assert "notice at 3.0 s: west: no message for 2.0 s" in out
     assert max(len(line) for line in out.splitlines()) <= 80 or "notice" in out
@@ -98,9 +99,13 @@ def test_flags_override_the_file(danced, tmp_path, capsys):
         (["--method", "sai"], "sia"),
         (["--method", "no_such_module:Class"], "no_such_module"),
         (["--iterations", "-4"], "iterations"),
-        (["--iterations", "many"], "iterations"),
+        (
+            ["--iterations", "many"],
+            "error: Error parsing --iterations: invalid literal for int() with base 10: 'many' (see",
+        ),
         (["--dance.lead-in-s", "-1"], "dance.lead_in_s"),
         (["--bogus", "1"], "--bogus"),
+        (["--methode", "sia"], "error: Unrecognized options: --methode, sia; perhaps you meant --method (see"),
         (["--config", "/no/such.toml"], "/no/such.toml"),
         (["--out", "/proc/nowhere/x"], "/proc/nowhere/x"),
         (["--method-options", "wndow_s", "1"], "window_s"),

@@ -110,6 +110,10 @@ def test_without_a_display_a_picture_is_offered(kept, capsys, monkeypatch):
     assert "--screenshot" in refused(capsys, view.command, kept)
 
 
+def test_a_folder_that_is_none_is_named_first(tmp_path, capsys):
+    assert "not a session's folder" in refused(capsys, view.command, tmp_path / "none")
+
+
 def test_csv_holds_the_tables(log, kept, tmp_path, capsys):
     assert cli.main(export.command, [str(kept), "--csv", str(tmp_path / "csv")]) == 0
     lines = (tmp_path / "csv" / "events.csv").read_text().splitlines()
@@ -117,6 +121,12 @@ def test_csv_holds_the_tables(log, kept, tmp_path, capsys):
     assert [float(line.split(",")[3]) for line in lines[1:]] == [event.t_s for event in log.events]
     capsys.readouterr()
     assert "--overwrite" in refused(capsys, export.command, kept, "--csv", tmp_path / "csv")
+
+
+def test_a_damaged_table_leaves_no_tables_behind(damaged, tmp_path, capsys):
+    (damaged / "events.parquet").write_bytes(b"PAR1")
+    assert "events.parquet cannot be read" in refused(capsys, export.command, damaged, "--csv", tmp_path / "csv")
+    assert not (tmp_path / "csv").exists()
 
 
 def test_export_wants_to_know_what(kept, capsys):

@@ -48,7 +48,7 @@ def check_plots(folder: Path, overwrite: bool) -> None:
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        raise RecordError("plots need matplotlib: pip install 'sjasim[plots]'") from None
+        raise RecordError("plots need matplotlib: pip install matplotlib") from None
     if folder.exists() and not folder.is_dir():
         raise RecordError(f"{folder} is a file: name a folder")
     held = [name for name in FILES if (folder / name).exists()]
@@ -112,7 +112,10 @@ def raster(log: SessionLog, config: SessionConfig, iteration: int | None = None)
     _beats(axes, table, number)
     axes.set_yticks(list(rows.values()), list(rows))
     axes.set_xlabel("time in the iteration [s]")
-    axes.set_title(f"Who did what when: iteration {number} (faint: true onset; full: as logged; bars: planned moves)")
+    axes.set_title(
+        f"Who did what when: iteration {number} (faint: true onset; full: as logged; bars: planned; lines: music)",
+        fontsize=11,
+    )
     shown = [(marker, name) for kind, (marker, name) in MARKERS.items() if kind is not Kind.TURN]
     handles = [axes.plot([], [], marker, color="0.3", label=name)[0] for marker, name in shown]
     axes.legend(handles=handles, ncol=5, loc="upper center", bbox_to_anchor=(0.5, -0.16), frameon=False)
@@ -140,13 +143,13 @@ def graphs(found: Sequence[Graph]) -> Figure:
     """The group topology graph of every iteration: wider lines are more synchronous pairs."""
     columns = min(4, max(1, len(found)))
     lines = -(-max(1, len(found)) // columns)
-    figure = _figure(2.7 * columns + 0.4, 3.2 * lines)
+    figure = _figure(max(6.4, 2.7 * columns + 0.4), 3.2 * lines)  # never narrower than its title
     panels = np.atleast_1d(figure.subplots(lines, columns, squeeze=False)).ravel()
     for axes in panels:
         axes.set_axis_off()
     for axes, graph in zip(panels, found, strict=False):
         _graph(axes, graph)
-    figure.suptitle("Synchrony of pairs in each iteration (Q, 0 to 1); arrow: whom the robot followed")
+    figure.suptitle("Synchrony of pairs in each iteration (Q, 0 to 1); arrow: whom the robot followed", fontsize=10)
     return figure
 
 
@@ -194,17 +197,18 @@ def _graph(axes: Axes, graph: Graph) -> None:
         for j in range(i):
             weight = float(graph.pairs[i, j])
             axes.plot(*zip(places[i], places[j], strict=True), color="0.6", linewidth=0.3 + 6 * weight, zorder=1)
-            x, y = (0.58 * places[i] + 0.42 * places[j]).tolist()
-            axes.text(x, y, f"{weight:.2f}", fontsize=7, ha="center", zorder=4)
+            x, y = (0.66 * places[i] + 0.34 * places[j]).tolist()  # off the middle, where the diagonals cross
+            ground = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}
+            axes.text(x, y, f"{weight:.2f}", fontsize=7, ha="center", va="center", zorder=4, bbox=ground)
     if graph.follows:
         a, b = places[graph.agents.index(ROBOT)], places[graph.agents.index(graph.follows)]
         style = {"arrowstyle": "-|>", "color": "#E69F00", "linewidth": 2.5}
         axes.annotate("", xy=tuple(a + 0.86 * (b - a)), xytext=tuple(a), arrowprops=style, zorder=2)
     for place, agent in zip(places, graph.agents, strict=True):
         axes.plot(*place, "o", color=_colour(agent), markersize=15, zorder=3)
-        axes.text(1.5 * place[0], 1.32 * place[1], agent, ha="center", va="center", fontsize=8)
+        axes.text(1.62 * place[0], 1.32 * place[1], agent, ha="center", va="center", fontsize=8)
     axes.set(xlim=(-2.1, 2.1), ylim=(-1.6, 1.6), aspect="equal")
-    axes.set_title(f"iteration {graph.iteration}: GSI {graph.gsi_full_edges:.2f}", fontsize=9)
+    axes.set_title(f"iteration {graph.iteration}: GSI {graph.gsi_full_edges:.2f} (full edges)", fontsize=9)
 
 
 def _mark(axes: Axes, t_s: float, row: float, kind: Kind, colour: tuple[float, ...], alpha: float) -> None:

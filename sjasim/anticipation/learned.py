@@ -78,7 +78,9 @@ class Network:
             network = cls(arrays["mean"], arrays["std"], float(arrays["clip"]), layers, int(arrays["step_hz"].item()))
             scores = network.scores(network.mean)
         except (OSError, KeyError, ValueError) as problem:
-            raise ConfigError("learned.policy", str(path), f"the npz file of a trained policy ({problem})") from problem
+            # Of a file of another kind numpy only says that it might be unsafe to load.
+            why = "it is none" if "pickle" in str(problem) else problem
+            raise ConfigError("learned.policy", str(path), f"the npz file of a trained policy ({why})") from problem
         if scores.shape != (len(MOVES),) or not np.isfinite(scores).all() or not 1 <= network.step_hz <= 120:
             raise ConfigError("learned.policy", str(path), f"a policy with {len(MOVES)} finite scores")
         return network

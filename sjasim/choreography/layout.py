@@ -68,11 +68,12 @@ def layout(name: str, group: int, room: RoomConfig, sensors: SensorConfig) -> La
         depth = (np.c_[slots, np.zeros(len(slots))] - mount.position) @ mount.world_from_sensor[:, 2]
         near, far = depth.min() - room.move_m, depth.max()
         if near < sensors.min_range_m or far > sensors.max_range_m:
+            fields = "room.slots_m" if name == "custom" else "room.side_m"
             raise ConfigError(
                 "layout",
                 name,
                 f"bodies within {sensors.min_range_m:g} to {sensors.max_range_m:g} m of the {mount.name} sensor "
-                f"while it is faced, not {near:.2f} to {far:.2f} m (room.sensor_distance_m, room.side_m)",
+                f"while it is faced, not {near:.2f} to {far:.2f} m (room.sensor_distance_m, {fields})",
             )
     return Layout(slots[:-1], slots[-1], mounts)
 

@@ -109,7 +109,7 @@ def verdict(step: StepStory) -> str:
 
 def told(insight: Insight) -> str:
     """What happened, as a short text in Markdown: an iteration a line, then each one's worst step and why."""
-    lines = ["| iteration | robot followed | robot's steps | GSI |", "|---|---|---|---|"]
+    lines = ["| iteration | robot followed | robot's steps | GSI, full edges |", "|---|---|---|---|"]
     for graph in insight.graphs:
         steps = [step for step in insight.steps if step.iteration == graph.iteration]
         counts = {word: sum(verdict(step) == word for step in steps) for word in ("on time", "late", "early", "missed")}

@@ -54,7 +54,7 @@ def save_mcap(log: SessionLog, path: Path) -> int:
     try:
         from mcap_ros2.writer import Writer
     except ImportError:
-        raise RecordError("MCAP needs mcap-ros2-support: pip install 'sjasim[ros]'") from None
+        raise RecordError("MCAP needs mcap-ros2-support: pip install mcap mcap-ros2-support") from None
     config = from_plain(log.config)
     messages = sorted(_messages(log, config), key=lambda message: message[0])
     draft = path.with_name(f".{path.name}.partial")

@@ -116,20 +116,23 @@ def read_rows(path: Path, table: str) -> tuple[list[Any], dict[str, list[Any]]]:
     return [ROW_TYPES[table](*row) for row in zip(*columns, strict=True)], extra
 
 
-def save_csv(table: Path, target: Path) -> None:
-    """Write a Parquet table as CSV; its folder is made if absent.
+def save_csv(targets: Mapping[Path, Path]) -> None:
+    """Write Parquet tables as CSV, all of them or, where one cannot be read, none; folders are made if absent.
+
+    Args:
+        targets: each table's Parquet file, and the CSV file to write.
 
     Raises:
-        RecordError: the table cannot be read, or the target cannot be written.
+        RecordError: a table cannot be read, or a target cannot be written.
     """
     import pyarrow.csv
 
-    stored = _table(table)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        pyarrow.csv.write_csv(stored, target)
-    except OSError as error:
-        raise RecordError(f"{target} cannot be written: {error.strerror or error}") from None
+    for target, stored in [(target, _table(path)) for path, target in targets.items()]:
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            pyarrow.csv.write_csv(stored, target)
+        except OSError as error:
+            raise RecordError(f"{target} cannot be written: {error.strerror or error}") from None
 
 
 def _enumerated(path: Path, column: str, hint: Any, values: list[Any]) -> list[Any]:

@@ -223,5 +223,5 @@ def _library() -> Any:
     try:
         from sklearn import ensemble
     except ImportError as error:
-        raise SjasimError("training needs scikit-learn: pip install 'sjasim[train]'") from error
+        raise SjasimError("training needs scikit-learn: pip install scikit-learn") from error
     return ensemble

@@ -53,6 +53,12 @@ def start(policy, plan):
     return method
 
 
+def test_a_file_of_another_kind_is_refused_without_advice_to_load_it(tmp_path):
+    (tmp_path / "notes.md").write_text("# Notes")
+    with pytest.raises(ConfigError, match="it is none"):
+        build("learned", {"policy": str(tmp_path / "notes.md")})
+
+
 def test_it_keeps_the_contract(policy):
     plan = brief()
     answers = dance(start(policy, plan), plan)

@@ -73,6 +73,12 @@ def test_slots_too_close_or_out_of_range_are_refused():
         room("square", 3, side_m=3.0)
 
 
+def test_own_slots_out_of_range_name_their_field():
+    far = RoomConfig(slots_m=((9, 9), (1, 1), (0, 1), (-1, 0)))
+    with pytest.raises(ConfigError, match=r"room\.slots_m"):
+        layout("custom", 3, far, SensorConfig())
+
+
 @pytest.mark.parametrize("name", ["square", "rows"])
 def test_four_bodies_on_the_corners_of_a_square(name):
     place = room(name, 3)

@@ -49,7 +49,7 @@ def test_a_sessions_cues_tell_of_starts_and_stops(tmp_path):
         ("dancer_1", Kind.CLAP, 8.0, 2),
         ("dancer_1", Kind.TURN, 8.25, 3),
     ]
-    save_csv(tmp_path / "cues.parquet", tmp_path / "cues.csv")
+    save_csv({tmp_path / "cues.parquet": tmp_path / "cues.csv"})
     assert [(e.kind, e.t_s) for e in read_event_table(tmp_path / "cues.csv")] == [(e.kind, e.t_s) for e in found]
 
 

@@ -47,7 +47,7 @@ def test_first_use_installs_and_the_second_does_not(launch, tmp_path, capsys):
     venv, install, command = launch.calls
     assert venv == [sys.executable, "-m", "venv", str(tmp_path / ".venv")]
     assert install[1:4] == ["-m", "pip", "install"]
-    assert install[-4:] == ["-e", f"{tmp_path}[test,dev,plots]", "-c", str(tmp_path / "constraints.txt")]
+    assert install[-4:] == ["-e", f"{tmp_path}[test,dev,plots,video]", "-c", str(tmp_path / "constraints.txt")]
     assert command == [str(launch.PYTHON), "-m", "sjasim.run", "--method", "eca"]
     heard = capsys.readouterr()
     assert "installing" in heard.err
@@ -131,3 +131,14 @@ def test_exit_codes_pass_and_a_killed_command_shows_its_signal():
     assert module.run([sys.executable, "-c", "raise SystemExit(2)"], PATH.parent) == 2
     if sys.platform != "win32":
         assert module.run([sys.executable, "-c", "import os; os.kill(os.getpid(), 2)"], PATH.parent) == 130
+
+
+def test_a_long_step_gives_signs_of_life_and_a_failing_one_says_so(monkeypatch, capsys):
+    spec = importlib.util.spec_from_file_location("launch", PATH)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    monkeypatch.setattr(module, "SIGN_OF_LIFE_S", 0.1)
+    module.call([sys.executable, "-c", "import time; time.sleep(0.3)"], "it failed")
+    assert "still at it" in capsys.readouterr().err
+    with pytest.raises(module.ProblemError, match="it failed"):
+        module.call([sys.executable, "-c", "raise SystemExit(1)"], "it failed")

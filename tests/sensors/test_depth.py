@@ -41,15 +41,17 @@ def test_skeletons_are_near_the_truth_at_any_heading(facing_deg: float, median_c
     assert figures["p95_cm"] < p95_cm
     assert figures["swapped"] == 0.0
     assert figures["lost"] < 0.02
+    assert figures["tracked"] > 0.97
+    assert figures["astray"] < 0.015
 
 
 def test_facing_dancers_are_tracked_each_with_one_identity():
     outcome = seen(0.0)
-    assert report.errors([outcome])["tracked"] > 0.95
+    assert report.errors([outcome])["tracked"] > 0.98
     assert report.identity([outcome]) == {"changed": 0, "lost_share": 0.0, "ghost_frames": 0}
     base, upper = report.jitter_cm([outcome])
-    assert base < 0.2
-    assert upper < 0.25
+    assert base < 0.1
+    assert upper < 0.1
 
 
 def test_figures_by_joint_and_events_can_be_told():
