@@ -36,7 +36,8 @@ DEEP_M = 0.03
 
 Lens = tuple[float, float, float, float, float]
 """Focal lengths and middle in pixels of `segmentation.Foreground.image`, and the sensor's height [m]."""
-_FISTS = HANDS[1]
+FISTS = HANDS[1]
+"""(2,) left and right."""
 
 
 def lens(intrinsics: Intrinsics, height_m: float) -> Lens:
@@ -91,20 +92,20 @@ def _part(
     point: Points, owner: Owners, who: int, ahead_m: float, scale: float, prior: Array, joints: Array
 ) -> None:  # fmt: skip
     """Tell a person's hands apart that are close and have not met."""
-    left, right = prior[_FISTS[0]], prior[_FISTS[1]]
+    left, right = prior[FISTS[0]], prior[FISTS[1]]
     if not near(left, right, PART_M * scale) or near(left, right, MET_M * scale):
         return
     if left[2] > ahead_m or right[2] > ahead_m:
         return
-    fists = prior[_FISTS]
+    fists = prior[FISTS]
     for f in range(2):
         fists[f, 2] -= DEEP_M * scale
     for _ in range(STEPS):
         if not _share(point, owner, who, ahead_m, MINE_M * scale, fists):
             return
     for f in range(2):
-        put(joints[_FISTS[f]], fists[f])
-        joints[_FISTS[f], 2] += DEEP_M * scale
+        put(joints[FISTS[f]], fists[f])
+        joints[FISTS[f], 2] += DEEP_M * scale
 
 
 @njit(cache=True, error_model="numpy")

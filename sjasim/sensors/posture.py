@@ -27,6 +27,9 @@ _PAIRS = np.array([[JOINT_INDEX[f"{name}Left"], JOINT_INDEX[f"{name}Right"]] for
 _JOINTS = len(JOINTS)
 FEATURES = 4 * _JOINTS + 4
 _LIMBS = np.array([j for j in range(_JOINTS) if j not in TRUNK and j != JOINT_INDEX["Head"]])
+_HAND_OF = np.array(
+    [2 if not name.startswith(("Wrist", "Hand", "Thumb")) else int(name.endswith("Right")) for name in JOINTS]
+)  # 0 and 1 for joints of the left and the right hand
 RECALL_M, LEAST_SEEN = 0.08, 6
 """How unlike a remembered posture, the root of all joints' squared distances, still counts beside the most alike one,
 and from how many joints on postures are compared (assumed)."""
@@ -100,13 +103,14 @@ def features(
 
 
 @njit(cache=True)
-def recall(row: Array, seen: Seen, memory: Array, body: Array) -> None:
+def recall(row: Array, seen: Seen, memory: Array, believed: Array, body: Array) -> None:
     """Put the limbs' hidden joints where like postures have them: their mean, weighted by a normal kernel.
 
     Args:
         row: (104,) from `features`.
         seen: (25,) which joints are.
         memory: (N, 75) postures over the scale, less their mean.
+        believed: (N, 2) how far each counts for the left and the right hand, see `freespace.believed`.
         body: (75,) the posture, changed in place.
     """
     if seen.all() or seen.sum() < LEAST_SEEN:
@@ -118,19 +122,26 @@ def recall(row: Array, seen: Seen, memory: Array, body: Array) -> None:
                 for c in range(3 * j, 3 * j + 3):
                     unlike[n] += (memory[n, c] - row[c]) ** 2
     weight = np.exp((unlike.min() - unlike) / (2.0 * RECALL_M * RECALL_M))
-    weight /= weight.sum()
+    shares = np.empty((3, len(memory)))
+    for side in range(3):
+        total = 0.0
+        for n in range(len(memory)):
+            shares[side, n] = weight[n] * believed[n, side] if side < 2 else weight[n]
+            total += shares[side, n]
+        for n in range(len(memory)):
+            shares[side, n] /= total
     for j in _LIMBS:
         if not seen[j]:
             for c in range(3 * j, 3 * j + 3):
                 body[c] = 0.0
                 for n in range(len(memory)):
-                    body[c] += weight[n] * memory[n, c]
+                    body[c] += shares[_HAND_OF[j], n] * memory[n, c]
 
 
 @njit(cache=True)
 def likely(
     joints: Array, seen: Seen, weights: Array, memory: Array, mean: Array, yaw_rad: float, scale: float, width: float,
-    out: Array,
+    believed: Array, out: Array,
 ) -> bool:  # fmt: skip
     """Write where all joints most likely are, by those that are seen.
 
@@ -143,6 +154,7 @@ def likely(
         yaw_rad: as there.
         scale: as there.
         width: as there.
+        believed: as in `recall`.
         out: (25, 3) output, points [m].
 
     Returns:
@@ -155,7 +167,7 @@ def likely(
         if row[k] != 0.0:
             for c in range(3 * _JOINTS):
                 body[c] += row[k] * weights[k, c]
-    recall(row, seen, memory, body)
+    recall(row, seen, memory, believed, body)
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
     for j in range(_JOINTS):
         forward, up = scale * (body[3 * j] + mean[j, 0]), scale * (body[3 * j + 1] + mean[j, 1])

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..assets.names import JOINTS
 from ..errors import SjasimError
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array, Skeletons
-from . import anchoring, hands, posture, segmentation, showing, tracking
+from . import anchoring, freespace, hands, posture, segmentation, showing, tracking
 from .camera import Intrinsics
 from .model import Model, default, unpacked
 from .segmentation import Foreground
@@ -196,13 +196,20 @@ class SkeletonEstimator:
                 person.lose(interval_s)
                 continue
             person.hold(joints[k], seen[k], agree[k] > 0.0, interval_s)
-            person.see(joints[k], seen[k], self._model, interval_s)
+            person.see(joints[k], seen[k], self._model, interval_s, self._believed(person, seen[k]))
             voted = np.where(seen[k][:, None], joints[k], np.nan)
             person.anchor(cells[k], prior[k], voted, anchoring.LEAST_M2 / pixel_m2[k], interval_s)
         joints = np.array([person.joints for person in persons])
         shown = showing.shown(self._scene.image, self._intrinsics, self._height_m, joints, scales)
         for person, limbs in zip(persons, shown, strict=True):
             person.shown = limbs
+
+    def _believed(self, person: Person, seen: posture.Seen) -> Array | None:
+        """How far remembered postures count for a person's hands; asked only while one is not seen."""
+        if seen[hands.FISTS].all():
+            return None
+        of = person.place, person.yaw_rad, person.scale, self._model.memory, self._model.mean
+        return np.asarray(freespace.believed(self._scene.image, self._lens, *of))
 
     def _half_out(self, x_m: float, z_m: float) -> bool:
         """Whether the picture cuts off half of somebody whose visible surface has its middle there."""

@@ -251,7 +251,9 @@ class Person:
         """
         _hold(joints, self.joints, self.state, weak, self.yaw_rad, self.scale, interval_s, self.unseen_s, seen)
 
-    def see(self, joints: Array, seen: posture.Seen, model: Unpacked, interval_s: float) -> None:
+    def see(
+        self, joints: Array, seen: posture.Seen, model: Unpacked, interval_s: float, believed: Array | None = None
+    ) -> None:
         """Take in a frame's joints.
 
         Args:
@@ -259,13 +261,15 @@ class Person:
             seen: (25,) which of them are supported.
             model: its regression and memory of postures count.
             interval_s: since the last frame.
+            believed: (N, 2) how far each remembered posture counts for the hands, see `freespace.believed`.
         """
         before_rad = self.facing_rad
         self._face(posture.heading(joints, seen), interval_s)
         self._spin(before_rad, interval_s)
         likely = np.empty_like(joints)
         known = model.posture, model.memory, model.mean
-        if not posture.likely(joints, seen, *known, self.yaw_rad, self.scale, self.width, likely):
+        counts = np.ones((len(model.memory), 2)) if believed is None else believed
+        if not posture.likely(joints, seen, *known, self.yaw_rad, self.scale, self.width, counts, likely):
             self.lose(interval_s)
             return
         mine = self.joints, self.state, self.carry

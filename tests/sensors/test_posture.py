@@ -17,7 +17,13 @@ OTHER_ARM[ARM] = False
 
 def recalled(row: np.ndarray, seen: np.ndarray, memory: np.ndarray) -> np.ndarray:
     body = np.zeros(75)
-    posture.recall(np.concatenate([row.ravel(), seen, np.zeros(4)]), seen, memory.reshape(len(memory), 75), body)
+    posture.recall(
+        np.concatenate([row.ravel(), seen, np.zeros(4)]),
+        seen,
+        memory.reshape(len(memory), 75),
+        np.ones((len(memory), 2)),
+        body,
+    )
     return body.reshape(25, 3)
 
 
@@ -51,7 +57,7 @@ def test_a_hidden_arm_is_where_the_dance_has_it_when_the_other_one_claps_or_hang
         joints = posture.from_body(1.1 * body, yaw_rad) + np.array([0.4, 0.0, 3.0])
         out, others = np.empty((25, 3)), np.delete(MODEL.memory, index, axis=0)
         assert posture.likely(
-            joints, OTHER_ARM, MODEL.posture, others, MODEL.mean, yaw_rad, 1.1, 0.2, out
+            joints, OTHER_ARM, MODEL.posture, others, MODEL.mean, yaw_rad, 1.1, 0.2, np.ones((len(others), 2)), out
         )  # fmt: skip
         worst.append(np.linalg.norm((out - joints)[ARM], axis=1).max())
     assert np.median(worst) < 0.09
