@@ -42,6 +42,8 @@ def command(arguments: Sequence[str]) -> None:
 
     read = read_joints(options.joints)
     found = detect_events(read.t_s, read.joints_m, read.state, read.persons, options.detectors)
+    if not found:
+        sys.stderr.write(f"no events in {len(read.t_s)} frames of {len(read.persons)} persons\n")
     if options.json:
         rows = [one._asdict() | {"kind": one.kind.value} for one in found]
         sys.stdout.write(json.dumps({"schema": 1, "events": rows}, indent=1) + "\n")

@@ -121,3 +121,12 @@ def test_a_bad_file_is_one_clear_line(tmp_path, capsys, old, new, words):
     said = capsys.readouterr().err
     assert words in said
     assert said.count("\n") == 1
+
+
+def test_a_file_without_events_says_so_on_stderr(tmp_path, capsys):
+    file = tmp_path / "still.csv"
+    file.write_text("t_s,person,joint,x_m,y_m,z_m\n0.0,1,SpineBase,0,0,2\n0.1,1,SpineBase,0,0,2\n")
+    assert cli.main(detect.command, [str(file)]) == 0
+    heard = capsys.readouterr()
+    assert heard.out == "t_s,person,kind,early,t_onset_s\n"
+    assert heard.err == "no events in 2 frames of 1 persons\n"
