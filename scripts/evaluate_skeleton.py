@@ -79,7 +79,7 @@ def main() -> int:
         "--seed",
         type=int,
         default=8654,
-        help="of the first dance; 5000, 6101, 7700-7707, 8600-8649 and 8700-8760 chose settings, 8650-8661 none",
+        help="of the first dance; 5000, 6101, 7700-7707, 8600-8649 and 8700-8799 chose settings, 8650-8673 none",
     )
     parser.add_argument("--only", nargs="*", choices=[*CONDITIONS, "crossings"], help="some conditions")
     parser.add_argument("--json", action="store_true", help="JSON, and nothing else, on stdout")
