@@ -50,6 +50,9 @@ LAGS_S = {Move.FORWARD: (-0.006, 0.0), Move.BACKWARD: (0.003, 0.009)}
 
 Measured on six builds over the whole range, which dance with people's jitter.
 """
+ASIDE = 0.25
+"""A dancer beside the slot walks at most by this way sideways per way ahead: back in line in a move or two, and never
+one foot into the other (assumed)."""
 AFTER_S = 1.6
 """So long after its end a move has come to rest: the feet stand, the arms hang, the sway is gone (assumed)."""
 
@@ -230,7 +233,7 @@ class Planner:
         stop_lag += HASTE_LAG_S * max(HASTE_S - cue.duration_s, 0.0)
         start_s = cue.t_s - start_lag
         profile = speed_profile(max(wanted, 0.0), cue.duration_s + start_lag - stop_lag)
-        way = sign * _unit(self._heading)
+        way = sign * _unit(self._heading) + self._aside(profile.distance_m)
         since = self._times[window] - start_s
         self._path[window] += profile.travelled(since)[:, None] * way
         plan = footsteps.walk(profile, start_s, self._steps.last, max(self._steps.settled_s, now_s))
@@ -239,6 +242,12 @@ class Planner:
         self._at = self._at + profile.distance_m * way
         self._trunk[window] += sign * LEAN_S_M * profile.speed(since + LEAN_LEAD_S)
         self._swing_arms(start_s, profile, plan, window)
+
+    def _aside(self, distance_m: float) -> Array:
+        """(2,) how far a move also leads back beside the slot, per way ahead."""
+        beside = _unit(self._heading + np.pi / 2.0)
+        off = float((self._slot - self._at) @ beside) / distance_m
+        return np.asarray(min(max(off, -ASIDE), ASIDE) * beside)
 
     def _swing_arms(self, start_s: float, profile: SpeedProfile, plan: footsteps.Walk, window: slice) -> None:
         times = self._times[window]

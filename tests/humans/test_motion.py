@@ -95,6 +95,21 @@ def test_back_and_forth_returns_to_the_slot():
     assert np.linalg.norm(plan.reference.ankles[-1, :, :2].mean(axis=0)) < 0.12
 
 
+def test_a_dancer_who_was_led_astray_walks_back_beside_the_slot_without_losing_time():
+    """A long move, a turn, and what was too far ahead is aside: two moves bring it back, as fast as straight ones."""
+    plan = Plan(seconds=24.0)
+    plan.planner.extend([walk_cue(Move.FORWARD, 2.0, 3.5), walk_cue(Move.TURN, 7.0, 1.8)], 0.0)
+    aside = plan.reference.pelvis[round(11.0 * HZ), 1]
+    assert aside > 0.7
+    plan.planner.extend([walk_cue(Move.FORWARD, 12.0, 2.0), walk_cue(Move.BACKWARD, 17.0, 2.0)], 0.0)
+    assert plan.reference.pelvis[-1, 1] < aside - 0.15
+    straight = Plan(seconds=24.0)
+    straight.planner.extend([walk_cue(Move.FORWARD, 12.0, 2.0)], 0.0)
+    walk = slice(round(12.5 * HZ), round(13.5 * HZ))
+    ahead = -np.diff(plan.reference.pelvis[walk, 0])  # the turn leads from north to west
+    assert ahead == pytest.approx(np.diff(straight.reference.pelvis[walk, 1]), rel=0.1, abs=1e-4)
+
+
 def test_planned_legs_reach_their_planned_ankles():
     plan = Plan(builds(1, 3)[0])
     plan.planner.extend(phrase(), 0.0)
