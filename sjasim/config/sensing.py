@@ -47,10 +47,10 @@ class SensorConfig:
     bias_m: float = 0.0104
     drift_m: float = 0.0039
     drift_correlation: float = 0.9957
-    limb_drift_m: float = 0.0108
-    limb_drift_correlation: float = 0.9394
+    limb_drift_m: float = 0.0113
+    limb_drift_correlation: float = 0.9440
     hidden_factor: float = 2.23
-    hidden_factor_hand: float = 2.66
+    hidden_factor_hand: float = 2.58
 
     def __post_init__(self) -> None:
         within("sensors.rate_hz", self.rate_hz, 5, 120)
