@@ -21,10 +21,20 @@ KEPT = 16
 """Quickest exchanges the line is fitted to: about half a minute at 4 Hz."""
 
 FEW = 3
-"""With fewer buckets than these every exchange counts."""
+"""With fewer buckets than these every exchange counts, and the clock is not yet settled."""
 
-DRIFT_SPAN_S = 6.0
-"""Below this span no drift is estimated: the exchanges' own error would exceed a quartz's drift."""
+MANY = 8
+"""With so many buckets their round trips tell how far the estimate can be wrong."""
+
+DRIFT_SD = 2e-4
+"""What is expected of a drift before any exchange (s.d.; assumed: a PC's quartz has 5e-5): a few seconds of exchanges,
+whose own error looks like a larger drift, do not say much against it."""
+
+DELAY_FLOOR_S = 0.002
+"""By how much the quickest exchange of all is still thought to be delayed [s]; assumed."""
+
+LONG_GAP_S = 6.0
+"""After so long without an exchange the clock's drift is allowed for before a jump is called one [s]."""
 
 MARGIN_S = 0.005
 """What a jump must exceed beyond the delay bound [s]."""
@@ -60,13 +70,18 @@ class ClockSync:
         return bool(self._best or self._recent)
 
     @property
+    def settled(self) -> bool:
+        """Whether it has had exchanges enough since it began or jumped."""
+        return len(self._best) >= FEW
+
+    @property
     def offset_s(self) -> float:
         """Device clock minus session clock, at the time of the last exchange [s]."""
         return self._offset_s
 
     @property
     def drift(self) -> float:
-        """Relative rate error; 0 until the exchanges span `DRIFT_SPAN_S`."""
+        """Relative rate error; near 0 until the exchanges span some ten seconds (`DRIFT_SD`)."""
         return self._drift
 
     @property
@@ -106,7 +121,7 @@ class ClockSync:
         self._recent.append(sample)
         if quicker:
             self._quickest = sample
-        if quicker or len(self._best) < FEW:
+        if quicker or not self.settled:
             self._fit()
         mean_t, mean_o = self._mean
         self._origin_s = middle
@@ -117,34 +132,45 @@ class ClockSync:
         return jump
 
     def _jump(self, middle: float, offset: float, delay: float) -> float:
+        """How far an exchange lies from the estimate, if no delays can explain it, else 0.
+
+        Neither errs by more than half of what its exchanges took longer than the quickest possible, which is a little
+        less than the quickest that is held; while few are held, by half of all that they took.
+        """
         if not self.locked:
             return 0.0
         age = middle - self._origin_s
         change = offset - (self._offset_s + self._drift * age)
-        bound = delay / 2 + MARGIN_S + (0.0 if age < DRIFT_SPAN_S else MAX_DRIFT * age)
+        if len(self._best) >= MANY:
+            slowest = max([held for _, _, held in self._best])
+            unsure = max(delay - self._round_trip_s, 0.0) / 2 + slowest - self._round_trip_s
+        else:
+            unsure = (delay + self._round_trip_s) / 2
+        bound = unsure + MARGIN_S + (0.0 if age < LONG_GAP_S else MAX_DRIFT * age)
         return change if abs(change) > bound else 0.0
 
     def _fit(self) -> None:
-        """Least squares through the quickest exchanges; a slow one weighs little, its error being larger."""
-        samples = [*self._best, *(self._recent if len(self._best) < FEW else (self._quickest,))]
+        """A line through the quickest exchanges, whose slope is a quartz's unless they say otherwise.
+
+        The error of an exchange with so much more delay than need be is spread evenly over half that to both sides;
+        a slow one therefore weighs little.
+        """
+        samples = [*self._best, *((self._quickest,) if self.settled else self._recent)]
         quickest = min([delay for _, _, delay in samples])
         weight = mean_t = mean_o = 0.0
         weights = []
         for time, offset, delay in samples:
-            w = 1.0 / (0.001 + delay - quickest) ** 2
+            w = 12.0 / (DELAY_FLOOR_S + delay - quickest) ** 2
             weights.append(w)
             weight += w
             mean_t += w * time
             mean_o += w * offset
         mean_t /= weight
         mean_o /= weight
-        drift = 0.0
-        if samples[-1][0] - samples[0][0] >= DRIFT_SPAN_S:
-            across = along = 0.0
-            for w, (time, offset, _) in zip(weights, samples, strict=True):
-                along += w * (time - mean_t) ** 2
-                across += w * (time - mean_t) * (offset - mean_o)
-            drift = max(-MAX_DRIFT, min(MAX_DRIFT, across / along))
-        self._drift = drift
+        across, along = 0.0, 1.0 / DRIFT_SD**2
+        for w, (time, offset, _) in zip(weights, samples, strict=True):
+            along += w * (time - mean_t) ** 2
+            across += w * (time - mean_t) * (offset - mean_o)
+        self._drift = max(-MAX_DRIFT, min(MAX_DRIFT, across / along))
         self._mean = mean_t, mean_o
         self._round_trip_s = quickest

@@ -37,6 +37,9 @@ ORDER_S = 0.5
 LATE_S = 1.0
 """A report that seems older than this beyond its link's round trip bears a time of a clock that has jumped."""
 
+BURST = 4
+"""So many times as often a clock is asked until it has settled: within seconds of its start or its jump."""
+
 FACED = 0.5
 """Least cosine at which a client that is not the active one counts at a hand-over: 60 degrees."""
 
@@ -169,8 +172,9 @@ class Server:
                 exchanges = self._exchanges[sensor]
                 self.notices += exchanges.judge(t_s, alive=self._active.lives(sensor))
                 exchanges.asked(t_s)
-                missed = int((t_s - due_s) / self._sync_s)
-                self._sync_due_s[sensor] = due_s + (missed + 1) * self._sync_s
+                pause_s = self._sync_s if self._clocks[sensor].settled else self._sync_s / BURST
+                missed = int((t_s - due_s) / pause_s)
+                self._sync_due_s[sensor] = due_s + (missed + 1) * pause_s
         self._sync_next_s = min(self._sync_due_s.values())
 
     def _look(self, t_arrival_s: float, status: ClientStatus, persons: Sequence[PersonStatus]) -> None:

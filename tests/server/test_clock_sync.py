@@ -10,12 +10,12 @@ from sjasim.server.clock_sync import ClockSync
 from sjasim.types import SyncReply
 
 
-def exchanges(seed, clock, sync, *, extra_s=0.0, until_s=60.0, loss=0.05):
+def exchanges(seed, clock, sync, *, extra_s=0.0, until_s=60.0, loss=0.05, jitter_s=0.005):
     """Exchanges at 4 Hz; yields session time after each, and the jump it reported."""
     rng = np.random.default_rng(seed)
     for k in range(int(until_s * 4)):
         t_s = k * 0.25
-        up, back = (0.015 + rng.exponential(0.005) for _ in range(2))
+        up, back = (0.015 + rng.exponential(jitter_s) for _ in range(2))
         lost = rng.random() < loss
         if not lost:
             reading = clock.reading(t_s + up)
@@ -54,7 +54,7 @@ def test_drift_is_found():
     assert sync.drift == pytest.approx(50e-6, abs=25e-6)
 
 
-@pytest.mark.parametrize("jump_s", [3.0, 0.2, -0.06, -40.0])
+@pytest.mark.parametrize("jump_s", [3.0, 0.2, -0.06, 0.03, -40.0])
 def test_a_jump_is_reported_once_and_locked_on(jump_s):
     clock, sync = DeviceClock(-0.3, 30e-6, 30.0, jump_s), ClockSync()
     seen = [(t_s, jump) for t_s, jump in exchanges(1, clock, sync) if jump]
@@ -63,6 +63,26 @@ def test_a_jump_is_reported_once_and_locked_on(jump_s):
     assert 30.0 <= t_s < 31.5
     assert jump == pytest.approx(jump_s, abs=0.02)
     assert sync.session_time(clock.reading(60.0)) == pytest.approx(60.0, abs=0.003)
+
+
+def test_a_drift_is_not_made_up_of_a_few_exchanges():
+    clock, sync = DeviceClock(0.2, 0.0), ClockSync()
+    found = [sync.drift for _ in exchanges(7, clock, sync, until_s=12.0)]
+    assert np.abs(found).max() < 2e-4
+
+
+@pytest.mark.parametrize("jitter_s", [0.0, 0.02, 0.05])
+def test_a_slow_link_does_not_make_clocks_jump(jitter_s):
+    for seed in range(20):
+        clock, sync = DeviceClock(0.1, 50e-6), ClockSync()
+        assert not any(jump for _, jump in exchanges(seed, clock, sync, jitter_s=jitter_s))
+
+
+def test_a_clock_has_settled_after_some_exchanges_and_begins_anew_after_a_jump():
+    clock, sync = DeviceClock(0.1, 50e-6, 30.0, 1.0), ClockSync()
+    story = [(t_s, sync.settled) for t_s, _ in exchanges(2, clock, sync, loss=0.0)]
+    assert not any(settled for t_s, settled in story if t_s < 5.7 or 30.3 < t_s < 35.7)
+    assert all(settled for t_s, settled in story if 6.3 < t_s < 29.9 or t_s > 37.0)
 
 
 def test_jitter_and_a_long_silence_are_no_jump():
