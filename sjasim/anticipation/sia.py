@@ -21,8 +21,14 @@ from .scheduling import LEAD_S, Scheduling
 from .synchrony import most_synchronous
 
 STARTS = (Kind.START_FORWARD, Kind.START_BACKWARD)
+FIRST = (Kind.START_FORWARD, Kind.CLAP)
+"""Steps with which something new begins; every other one goes on from the one before it."""
+
 HOLD_S = 0.15
 """Shortest pause between two moves that the robot makes without anybody to follow [s] (assumed)."""
+
+SHORTEST = 0.5
+"""Least share of its length in which the robot dances a phrase that it began too late (assumed)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,14 +73,16 @@ class Sia(Scheduling):
 
     Only the next unresolved step is listened for. An early event of the followed dancer triggers it, else their
     regular event, within the window around the same dancer's time one iteration ago (the schedule's, where they
-    lack it); the stop of a start that was followed needs no window. A clap has no early event. If the window closes
+    lack it); what goes on from a step that was followed needs no window: a dancer who takes the whole phrase three
+    seconds early is followed through it. A clap has no early event. If the window closes
     with neither, the scheduled command is used, at once if its time has passed, and the decision says ``fallback``.
     If meanwhile a regular event shows that the dancer is past the step, a stop or turn falls back at once. A move that
     is over when its stop is seen is made at once, as long as the schedule has it, if it will be over before the dancer
     is expected to do the next thing; else it is passed over.
 
     When a start falls back, its dancer has left out a whole phrase: the rest of it, to where the robot came from, is
-    scheduled at once, not each step at the close of its own window, which would leave no time before the turn.
+    scheduled at once, not each step at the close of its own window, which would leave no time before the turn; it is
+    made shorter if it would otherwise not be over in time.
 
     Args:
         config: its options.
@@ -97,7 +105,7 @@ class Sia(Scheduling):
         self._close: Array = np.zeros(len(brief.steps))
         self._planned: tuple[Intention, ...] = ()
         self._fallbacks: tuple[Intention, ...] = ()
-        self._begun = -2
+        self._followed = -2
         self._alone: dict[float, int] = {}
         self._hurried: set[int] = set()
 
@@ -114,7 +122,7 @@ class Sia(Scheduling):
             return ()
         self._pass_closed(event.t_arrival_s)
         after = event.t_s - self._start_s
-        step = self._next if self._ends_move(event.kind) else self._step_of(event.kind, after)
+        step = self._next if self._goes_on(event.kind) else self._step_of(event.kind, after)
         if step is None or step < self._next:
             return ()
         if step == self._next:
@@ -141,7 +149,7 @@ class Sia(Scheduling):
         self._start_s = self._brief.iteration_start_s[iteration]
         end = self._brief.window_end_s[iteration] - self._start_s
         self._close = np.minimum(self._reference + self._config.window_s, end)
-        self._next, self._begun = 0, -2
+        self._next, self._followed = 0, -2
         self._planned = intentions
         why = f"fallback: no event within {self._config.window_s:g} s of the time expected of {self._note}"
         fallbacks = tuple(
@@ -164,20 +172,29 @@ class Sia(Scheduling):
     def _rest_of_phrase(self, begun: int, t_s: float) -> tuple[Intention, ...]:
         """The schedule up to the end of the phrase, moved on as far as a start that fell back needs it.
 
+        Its pauses shrink to `HOLD_S`, and all of it to half at most, if it would not be over when the dancer is
+        expected to do the next thing.
+
         Args:
             begun: ordinal of that start.
             t_s: when its command was sent [s].
         """
-        rest: list[Intention] = []
+        rest: list[int] = []
+        times = [t_s]
         for step in self._brief.steps[begun + 1 :]:
-            if step.kind in (Kind.START_FORWARD, Kind.CLAP):
+            if step.kind in FIRST:
                 break
             plan, before = self._planned[step.ordinal], self._planned[step.ordinal - 1]
-            t_s = max(plan.t_s, t_s + (HOLD_S if step.kind in STARTS else plan.t_s - before.t_s))
-            why = f"fallback: {self._brief.steps[begun].kind.value} was made without {self._note}"
-            rest.append(Intention(self._scheduled, step.ordinal, t_s, why))
-            self._hurried.add(step.ordinal)
-        return tuple(rest)
+            times.append(max(plan.t_s, times[-1] + (HOLD_S if step.kind in STARTS else plan.t_s - before.t_s)))
+            rest.append(step.ordinal)
+        left_s = self._start_s + float(self._reference[rest[-1] + 1]) - HOLD_S - t_s
+        share = min(1.0, max(SHORTEST, left_s / (times[-1] - t_s)))
+        self._hurried.update(rest)
+        why = f"fallback: {self._brief.steps[begun].kind.value} was made without {self._note}"
+        return tuple(
+            Intention(self._scheduled, ordinal, t_s + share * (time - t_s), why)
+            for ordinal, time in zip(rest, times[1:], strict=True)
+        )
 
     def _choose(self, iteration: int) -> None:
         series = self._history.series(iteration)
@@ -194,9 +211,9 @@ class Sia(Scheduling):
         while self._next < len(self._close) and now_s >= self._start_s + self._close[self._next]:
             self._next += 1
 
-    def _ends_move(self, kind: Kind) -> bool:
-        """Whether it is the stop of the start that was followed: that needs no window."""
-        return self._begun == self._next - 1 and kind == self._brief.steps[self._next].kind
+    def _goes_on(self, kind: Kind) -> bool:
+        """Whether it goes on from the step that was followed just before: that needs no window."""
+        return self._followed == self._next - 1 and kind == self._brief.steps[self._next].kind and kind not in FIRST
 
     def _step_of(self, kind: Kind, after_s: float) -> int | None:
         """The step whose expected time is nearest, if the window holds the event."""
@@ -207,7 +224,7 @@ class Sia(Scheduling):
 
     def _wait_for_stop(self) -> tuple[Intention, ...]:
         """The stop's own fallback again, if it was scheduled without a dancer whose start has just been followed."""
-        again = self._begun == self._next - 1 and self._next in self._hurried
+        again = self._followed == self._next - 1 and self._next in self._hurried
         return (self._fallbacks[self._next],) if again else ()
 
     def _settle(self) -> None:
@@ -217,7 +234,7 @@ class Sia(Scheduling):
 
     def _follow(self, event: Event) -> Intention:
         step = self._brief.steps[self._next]
-        self._begun = step.ordinal if step.kind in STARTS else -2
+        self._followed = step.ordinal
         self._settle()
         why = f"{'early ' if event.early else ''}{event.kind.value} of {self._note}"
         return Intention(self._scheduled, step.ordinal, event.t_arrival_s, why, event.person)

@@ -12,8 +12,8 @@ from .conftest import dance, heard_of
 
 @pytest.fixture(scope="module")
 def by_themselves():
-    """Two iterations (the rehearsal is one) without a robot; the first dancer is always half a second late."""
-    return dance(method="none", humans="one-late", dance=DanceConfig(rehearsal=True))
+    """A whole dance, rehearsal included, without a robot; the first dancer is always half a second late."""
+    return dance(method="none", humans="one-late", iterations=4, dance=DanceConfig(rehearsal=True))
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,8 @@ def test_a_dancer_who_is_always_late_is_never_the_most_synchronous(by_themselves
     late = [event.t_s for event in heard_of(by_themselves, "dancer_1")]
     others = [event.t_s for event in heard_of(by_themselves, "dancer_3")]
     assert late[0] - others[0] > 0.25
-    assert [row.msp for row in by_themselves.measures.iterations].count("dancer_1") == 0
+    assert len(by_themselves.measures.iterations) == 4
+    assert "dancer_1" not in {row.msp for row in by_themselves.measures.iterations}
 
 
 def test_method_none_is_humans_only(by_themselves):
@@ -46,6 +47,12 @@ def test_a_dancer_who_stops_is_named_and_the_others_dance_on(stopped, clean):
     assert stopped.measures.gsi_full_edges < clean.measures.gsi_full_edges
     assert stopped.log.cost["sim_s"] == clean.log.cost["sim_s"]
     assert stopped.measures.robot_missed == 0
+
+
+def test_a_dancer_who_stops_in_mid_dance_is_named_as_well():
+    session = dance(("dancer_stops", "dancer_2", 10.0))
+    assert session.notices == [("dancer_2", "no event seen in iteration 1 after 4 of 9")]
+    assert len(heard_of(session, "dancer_1")) == 9
 
 
 def test_people_who_heed_a_late_robot_wait_for_it(tmp_path):
