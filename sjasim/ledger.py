@@ -80,7 +80,7 @@ class Ledger:
 
         Args:
             joints_m: (D, 25, 3) true joints [m].
-            visible: (P, 25) what the sensor that is faced could see; None if it does not watch.
+            visible: (P, 25) what the active sensor could see; None if it does not watch.
             dancers: (P,) the dancer behind each of its rows, -1 for nobody.
         """
         self._joints.append(joints_m)

@@ -91,6 +91,14 @@ class Handover:
 
 
 @dataclass(frozen=True, slots=True)
+class Followed:
+    """Whom the robot's method followed in an iteration, or "" for nobody; without a row it made use of everyone."""
+
+    iteration: int
+    person: str
+
+
+@dataclass(frozen=True, slots=True)
 class DepthPicture:
     """One depth image of the active sensor: 16-bit PNG of whole millimetres, 0 where there is none."""
 
@@ -115,13 +123,14 @@ class SessionLog:
         notices: what went wrong.
         odometry: columns of equal length at the odometry rate (t_s, x_m, y_m, heading_rad, step_m,
             yaw_rate_rad_s, true_x_m, true_y_m, true_heading_rad).
-        truth: columns of equal length, one row per (tick, dancer): see `worlds.TRUTH_COLUMNS`.
+        truth: columns of equal length, one row per (tick, dancer): see `ledger.TRUTH_COLUMNS`.
         handovers: which sensor's client was active from when on.
+        followed: whom the method followed, for methods that can tell.
         joints: (F, D, 25, 3) float32 true joints at 30 Hz, or None in a log read from a folder.
         skeletons: (F, D, 25, 4) float32 joints in the world as the active client saw them at the same frames, and
             their tracking state; NaN where it took no frame or lost the joint. None in a log read from a folder.
         depth: depth images of the active sensor, if they were asked for; kept in the recording alone.
-        cost: ``sim_s``, ``cpu_s``, ``wall_s`` and ``peak_mb``.
+        cost: ``sim_s``, ``cpu_s`` and ``wall_s``.
     """
 
     config: Mapping[str, object]
@@ -134,6 +143,7 @@ class SessionLog:
     robot_events: tuple[AgentEvent, ...] = ()
     notices: tuple[Notice, ...] = ()
     handovers: tuple[Handover, ...] = ()
+    followed: tuple[Followed, ...] = ()
     odometry: Mapping[str, Array] = field(default_factory=dict)
     truth: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
     joints: NDArray[np.float32] | None = None

@@ -13,7 +13,7 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
 from .answers import Answer, Brief
-from .anticipation.method import Method, build
+from .anticipation.method import Follower, Method, build
 from .choreography.layout import layout
 from .choreography.timetable import timetable
 from .clock import stream
@@ -21,7 +21,7 @@ from .config import FAULTS, SessionConfig
 from .config_io import to_plain
 from .errors import ConfigError
 from .link import Link, LinkQuality, Mail
-from .logs import Handover, SessionLog
+from .logs import Followed, Handover, SessionLog
 from .server.dispatch import Dispatcher
 from .server.server import Server
 from .types import (
@@ -77,6 +77,7 @@ class Session:
         """Who knows when something happens outside the world: an arrival, a timer, a boundary."""
         self.world.active = self.server.active
         self.handovers = [Handover(0.0, self.server.active)]
+        self.followed: list[Followed] = []
         self.events: list[Event] = []
         self.commands: list[MoveCommand] = []
         self.device_events: list[tuple[DeviceEvent, float]] = []
@@ -162,6 +163,9 @@ class Session:
             if self.method is not None:
                 hook = self.method.on_iteration_start if starts else self.method.on_iteration_end
                 self._answer(now, hook(iteration, t_s))
+                if starts and isinstance(self.method, Follower):
+                    persons = self.method.follows(iteration)
+                    self.followed += [Followed(iteration, name) for name in _or_nobody(persons)]
         if self.server.next_due_s <= now:
             if self.method is not None:
                 self.dispatcher.listen(now)
@@ -192,6 +196,7 @@ class Session:
             robot_events=tuple(world.robot_events),
             notices=tuple(notices),
             handovers=tuple(self.handovers),
+            followed=tuple(self.followed),
             odometry=world.ledger.odometry(),
             truth=world.ledger.truth(),
             joints=world.ledger.joints(),
@@ -239,6 +244,11 @@ def versions() -> Mapping[str, str]:
         except PackageNotFoundError:
             continue
     return found
+
+
+def _or_nobody(persons: Sequence[str] | None) -> Sequence[str]:
+    """What is logged of whom a method follows: nothing for everyone."""
+    return () if persons is None else persons or ("",)
 
 
 def _brief(session: Session) -> Brief:

@@ -110,7 +110,7 @@ class PhysicsWorld:
 
     Attributes:
         reference: what the dancers plan to do.
-        active: the sensor whose skeletons are recorded; whoever knows which client counts says so.
+        active: the sensor whose skeletons and view are recorded; whoever knows which client counts says so.
         sensing: what sees for each sensor, by its name.
         watchers: called with the session time at every frame tick; they look and change nothing.
     """
@@ -167,8 +167,6 @@ class PhysicsWorld:
         self.sensing: dict[str, Sensing] = {}
         self._mounts = {mount.name: mount for mount in layout.mounts}
         self._clients = {mount.name: self._client(config, layout, index) for index, mount in enumerate(layout.mounts)}
-        faced = {k: CARDINALS[self._timetable.faced(k)] for k in range(self._timetable.first, self._timetable.last + 1)}
-        self._faced = {k: (self._clients[name], self.sensing[name]) for k, name in faced.items()}
         self._balance_hz = config.stage.balance_hz
         self._balance_task = Task(ticks, self._balance_hz)
         self._frame_task = Task(ticks, config.sensors.rate_hz)
@@ -278,8 +276,8 @@ class PhysicsWorld:
                     self.ledger.estimate(skeletons, self.sensing[name].dancers, self._mounts[name])
             if client.next_output_s <= soon:
                 self._outbox.extend(client.outputs(now))
-        faced, sensing = self._faced[self._timetable.iteration_at(now)]
-        self.ledger.see(self.stage.joints_m, sensing.visible if faced.watches(now) else None, sensing.dancers)
+        sensing, watches = self.sensing[self.active], self._clients[self.active].watches(now)
+        self.ledger.see(self.stage.joints_m, sensing.visible if watches else None, sensing.dancers)
         for watch in self.watchers:
             watch(now)
 

@@ -230,7 +230,8 @@ def figures(session: Session, iteration: int) -> dict[str, object]:
         for event in session.events
         if not event.early and event.iteration <= iteration
     ]
-    rows = together([*logged, *session.world.robot_events], session.config, session.timetable, iteration)
+    events = [*logged, *session.world.robot_events]
+    rows = together(events, session.config, session.timetable, session.followed, iteration)
     row = rows[-1]
     robot, dancers = row.steps_s[-1], row.steps_s[:-1]
     finite = row.ta_s[np.isfinite(row.ta_s)]

@@ -14,7 +14,7 @@ from ..anticipation.appropriateness import occurrences, timing_appropriateness
 from ..anticipation.synchrony import GroupSynchrony, Series, group_index, most_synchronous
 from ..choreography.score import Timetable
 from ..config import SessionConfig
-from ..logs import AgentEvent
+from ..logs import AgentEvent, Followed
 from ..types import (
     ROBOT,
     Array,
@@ -34,7 +34,7 @@ class Togetherness:
         gsi: its group synchronisation index.
         gsi_full_edges: under all edges, which alone compares methods fairly.
         msp: the most synchronous person of this iteration.
-        follows: whom the robot followed in this iteration; "" where it followed nobody, or everybody.
+        follows: the one whom the robot followed in this iteration; "" where it followed nobody, or several.
         steps_s: (A, K) time of each step by each agent, dancers first, after beat 0 [s]; NaN where missing.
         ta_s: (K,) timing appropriateness of each step [s]; NaN where undefined.
     """
@@ -49,32 +49,12 @@ class Togetherness:
     ta_s: Array
 
 
-@dataclass(frozen=True, slots=True)
-class Following:
-    """Whom a method follows, as far as its options say.
-
-    Attributes:
-        since: first iteration in which it follows the most synchronous person; None if it never does.
-        nobody_before: whether its robot has no outgoing edges before that, or else all.
-        tau_s: window of the synchrony measure that chooses the person.
-    """
-
-    since: int | None
-    nobody_before: bool
-    tau_s: float
-
-
-def following(config: SessionConfig) -> Following:
-    """SIA alone follows one dancer; every other method is taken to use all of them."""
-    options = config.method_options
-    if config.method != "sia":
-        return Following(None, False, config.synchrony.tau_s)
-    since, tau_s = int(options.get("effective_from", 2)), float(options.get("tau_s", 0.25))
-    return Following(since, options.get("edges", "none") == "none", tau_s)
-
-
 def together(
-    events: Events, config: SessionConfig, timetable: Timetable, until: int | None = None
+    events: Events,
+    config: SessionConfig,
+    timetable: Timetable,
+    followed: Sequence[Followed],
+    until: int | None = None,
 ) -> list[Togetherness]:
     """Measure every danced iteration.
 
@@ -83,27 +63,27 @@ def together(
             the first most synchronous person.
         config: method (``none`` leaves the robot out), tau, number of dancers.
         timetable: beats.
+        followed: whom the method followed.
         until: the last iteration that is measured; that of the timetable if None.
     """
     cast = [dancer_name(index) for index in range(config.group)]
     agents = cast if config.method == "none" else [*cast, ROBOT]
     tau, one_to_one = config.synchrony.tau_s, config.synchrony.one_to_one
-    rule = following(config)
-    chosen, before = cast[0], None
+    before = None
     rows: list[Togetherness] = []
     for iteration in range(timetable.first, (timetable.last if until is None else until) + 1):
         series = _series(events, agents, iteration, timetable.start_s(iteration))
         dancers = {name: series[name] for name in cast}
-        msp = most_synchronous(dancers, before, rule.tau_s).person
+        msp = most_synchronous(dancers, before, tau).person
         if iteration >= 1:
-            leader = chosen if rule.since is not None and iteration >= rule.since else ""
-            follows = [leader] if leader else ([] if rule.nobody_before else None)
+            rows_of = [item.person for item in followed if item.iteration == iteration]
+            follows = [name for name in rows_of if name] if rows_of else None
+            leader = follows[0] if follows is not None and len(follows) == 1 else ""
             paper = group_index(series, "paper", follows=follows, tau=tau, one_to_one=one_to_one)
             full = group_index(series, "full", tau=tau, one_to_one=one_to_one).gsi
             steps = _steps(series, timetable, iteration)
             ta_s = np.zeros(0) if config.method == "none" else timing_appropriateness(steps[-1], steps[:-1])
             rows.append(Togetherness(iteration, paper, paper.gsi, full, msp, leader, steps, ta_s))
-        chosen = msp
         before = msp if any(len(kinds) for _, kinds in dancers.values()) else before
     return rows
 

@@ -12,9 +12,8 @@ from ..logs import AgentEvent, Decision, SessionLog
 from ..record.insight import STAGES, Graph, Insight, StepStory
 from ..types import Array, Event, Kind, MoveCommand, dancer_name
 from .group import Togetherness, together
-from .matching import matched
 from .onsets import dancer_events, robot_events
-from .quality import CLOCK_WITHIN_S
+from .quality import clock_errors, mean_delay_s, sent_times
 
 NAN = float("nan")
 RECENT_S = 4.0
@@ -30,14 +29,15 @@ def insight(log: SessionLog) -> Insight:
     table = timetable(config)
     logged = [AgentEvent(e.iteration, e.person, e.kind, e.t_s) for e in log.events if not e.early]
     true = [*dancer_events(log.truth, log.cues, table), *robot_events(log.odometry, table)]
-    rows = together([*logged, *log.robot_events], config, table)
-    true_rows = together(true, config, table)
+    rows = together([*logged, *log.robot_events], config, table, log.followed)
+    true_rows = together(true, config, table, log.followed)
+    sent_s = sent_times(log.events, log.device_events, mean_delay_s(config.network))
     latency_s = config.sensors.latency_frames / config.sensors.rate_hz
     return Insight(
         graphs=tuple(_graph(row, real, table) for row, real in zip(rows, true_rows, strict=True)),
-        steps=_steps(log, true_rows, table, latency_s) if config.method != "none" else (),
+        steps=_steps(log, true_rows, table, (latency_s, sent_s)) if config.method != "none" else (),
         ta=_ta(rows, table),
-        clocks=_clocks(log),
+        clocks=clock_errors(log.events, sent_s),
     )
 
 
@@ -66,24 +66,9 @@ def _ta(rows: list[Togetherness], table: Timetable) -> tuple[tuple[float, float]
     return tuple(found)
 
 
-def _clocks(log: SessionLog) -> dict[str, tuple[Array, Array]]:
-    """Every event's clock error at its true time of sending, by sensor."""
-    parts: dict[str, list[tuple[float, float]]] = {}
-    for sensor, kind, early in sorted({(e.sensor, e.kind, e.early) for e in log.events}):
-        told = np.array([e.t_s for e in log.events if (e.sensor, e.kind, e.early) == (sensor, kind, early)])
-        sent = np.array([t for e, t in log.device_events if (e.sensor, e.kind, e.early) == (sensor, kind, early)])
-        first, second = matched(told, sent, CLOCK_WITHIN_S)
-        parts.setdefault(sensor, []).extend(
-            zip(sent[second].tolist(), (told[first] - sent[second]).tolist(), strict=True)
-        )
-    found = {}
-    for sensor, pairs in parts.items():
-        both = np.array(sorted(pairs)).reshape(-1, 2)
-        found[sensor] = (both[:, 0], both[:, 1])
-    return found
-
-
-def _steps(log: SessionLog, rows: list[Togetherness], table: Timetable, latency_s: float) -> tuple[StepStory, ...]:
+def _steps(
+    log: SessionLog, rows: list[Togetherness], table: Timetable, way: tuple[float, Array]
+) -> tuple[StepStory, ...]:
     commands = {(order.iteration, order.ordinal): order for order in reversed(log.commands)}
     sent = {(item.iteration, item.ordinal): item for item in log.decisions if item.action == "sent"}
     last = {(item.iteration, item.ordinal): item for item in log.decisions}
@@ -95,7 +80,7 @@ def _steps(log: SessionLog, rows: list[Togetherness], table: Timetable, latency_
             key = (row.iteration, step.ordinal)
             times_s = start_s + row.steps_s[:, step.ordinal]
             decision = sent.get(key)
-            parts = _parts(log, key, commands.get(key), decision, times_s, float(mean_s[step.ordinal]), latency_s)
+            parts = _parts(log, key, commands.get(key), decision, times_s, float(mean_s[step.ordinal]), way)
             why = (decision or last.get(key) or _NOTHING).why
             follows = decision.person if decision is not None else ""
             stories.append(
@@ -114,15 +99,20 @@ def _parts(
     decision: Decision | None,
     times_s: Array,
     mean_s: float,
-    latency_s: float,
+    way: tuple[float, Array],
 ) -> tuple[float, ...]:
-    """Where the time between the group's mean and the robot's motion went; see `record.insight.STAGES`."""
+    """Where the time between the group's mean and the robot's motion went; see `record.insight.STAGES`.
+
+    ``way`` is the sensors' latency [s], and when each of the log's events was sent [s].
+    """
+    latency_s, all_sent_s = way
     if command is None or decision is None:
         return (NAN,) * len(STAGES)
     wheels = float(times_s[-1]) - command.t_start_s
     index = next((k for k in range(len(times_s) - 1) if dancer_name(k) == decision.person), None)
-    event = _answered(log.events, decision, command)
-    sent_s = _sent(log, event) if event is not None else NAN
+    answered = _answered(log.events, decision, command)
+    event = None if answered is None else log.events[answered]
+    sent_s = NAN if answered is None else float(all_sent_s[answered])
     if index is None or event is None or not np.isfinite(sent_s + times_s[index]):
         return (NAN, NAN, NAN, NAN, command.t_start_s - mean_s, wheels)
     onset_s = float(times_s[index])
@@ -136,23 +126,12 @@ def _parts(
     )
 
 
-def _answered(events: tuple[Event, ...], decision: Decision, command: MoveCommand) -> Event | None:
-    """The newest event of the followed dancer that the method knew when it sent the command."""
+def _answered(events: tuple[Event, ...], decision: Decision, command: MoveCommand) -> int | None:
+    """Row of the newest event of the followed dancer that the method knew when it sent the command."""
     known = [
-        event
-        for event in events
+        row
+        for row, event in enumerate(events)
         if (event.person, event.kind) == (decision.person, decision.kind)
         and command.t_start_s - RECENT_S <= event.t_arrival_s <= command.t_start_s + 1e-9
     ]
-    return max(known, key=lambda event: event.t_arrival_s, default=None)
-
-
-def _sent(log: SessionLog, event: Event) -> float:
-    """True time at which a client sent what became this event; NaN if it cannot be found."""
-    times = [
-        t_s
-        for device, t_s in log.device_events
-        if (device.sensor, device.kind, device.early) == (event.sensor, event.kind, event.early)
-        and abs(t_s - event.t_s) <= CLOCK_WITHIN_S
-    ]
-    return min(times, key=lambda t_s: abs(t_s - event.t_s), default=NAN)
+    return max(known, key=lambda row: events[row].t_arrival_s, default=None)

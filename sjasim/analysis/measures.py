@@ -22,9 +22,12 @@ from .quality import (
     DetectorQuality,
     RobotQuality,
     body_quality,
+    clock_errors,
     clock_quality,
     detector_quality,
+    mean_delay_s,
     robot_quality,
+    sent_times,
 )
 
 SCHEMA = 1
@@ -151,10 +154,11 @@ def measures(log: SessionLog) -> Measures:
     ]
     logged += log.robot_events
     onsets = dancer_events(log.truth, log.cues, table)
-    rows = together(logged, config, table)
-    true_rows = together([*onsets, *robot_events(log.odometry, table)], config, table)
+    rows = together(logged, config, table, log.followed)
+    true_rows = together([*onsets, *robot_events(log.odometry, table)], config, table, log.followed)
     iterations = tuple(_iteration(row, true, logged, table) for row, true in zip(rows, true_rows, strict=True))
     ta_s = _finite(rows)
+    sent_s = sent_times(log.events, log.device_events, mean_delay_s(config.network))
     return Measures(
         config=log.config,
         versions=log.versions,
@@ -170,7 +174,7 @@ def measures(log: SessionLog) -> Measures:
             for kind, gaps in net_latencies(rows, table).items()
         },
         detector=detector_quality(log.events, onsets),
-        clocks=clock_quality(log.events, log.device_events),
+        clocks=clock_quality(clock_errors(log.events, sent_s)),
         robot=robot_quality(log.commands, log.robot_events, log.odometry, config, table),
         bodies=body_quality(log.truth),
         notices=log.notices,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..choreography.layout import layout
 from ..choreography.score import Timetable
-from ..config import SessionConfig
+from ..config import NetworkConfig, SessionConfig
 from ..logs import AgentEvent
 from ..types import (
     Array,
@@ -24,8 +24,9 @@ from .matching import matched
 WITHIN_S = 0.4
 """A logged and a true event this close may be the same one."""
 
-CLOCK_WITHIN_S = 0.5
-"""An event and a device event this close, by the server's clock and the true one, may be the same one."""
+ARRIVED_WITHIN_S = 0.5
+"""An event that arrived this close to when a device event should have, by the network's mean delay, may be that one;
+whatever the clocks showed."""
 
 EXECUTED_S = 1.0
 """A command counts as executed if its robot event follows within this time."""
@@ -125,18 +126,53 @@ def detector_quality(logged: Sequence[Event], true: Sequence[AgentEvent]) -> Det
     )
 
 
-def clock_quality(
-    events: Sequence[Event], device_events: Sequence[tuple[DeviceEvent, float]]
-) -> dict[str, ClockQuality]:
-    """Clock error of every sensor that events came from, its events matched to what it sent."""
-    errors: dict[str, list[Array]] = {}
-    for sensor, kind, early in sorted({(event.sensor, event.kind, event.early) for event in events}):
-        told = [event.t_s for event in events if (event.sensor, event.kind, event.early) == (sensor, kind, early)]
-        sent = [t_s for event, t_s in device_events if (event.sensor, event.kind, event.early) == (sensor, kind, early)]
-        rows, columns = matched(np.array(told), np.array(sent), CLOCK_WITHIN_S)
-        errors.setdefault(sensor, []).append(np.array(told)[rows] - np.array(sent)[columns])
-    joined = {sensor: np.concatenate(parts) for sensor, parts in errors.items()}
-    return {sensor: ClockQuality(_p95(error), _mean(error), len(error)) for sensor, error in joined.items()}
+def mean_delay_s(network: NetworkConfig) -> float:
+    """How long an event takes to the server on average [s]."""
+    return network.latency_s + network.jitter_s + network.uplink_extra_s
+
+
+def sent_times(
+    events: Sequence[Event], device_events: Sequence[tuple[DeviceEvent, float]], delay_s: float
+) -> Array:
+    """(N,) true time at which a client sent what became each event [s]; NaN if it cannot be found.
+
+    It is found by when the event arrived, which no clock has a part in.
+
+    Args:
+        events: as the server logged them.
+        device_events: with the true time of their stamp, which is that of sending [s].
+        delay_s: mean time that an event takes to the server [s].
+    """
+    found = np.full(len(events), np.nan)
+    sources = [(event.sensor, event.kind, event.early) for event in events]
+    for source in sorted(set(sources)):
+        mine = np.array([row for row, other in enumerate(sources) if other == source])
+        sent = np.array([t_s for event, t_s in device_events if (event.sensor, event.kind, event.early) == source])
+        arrived = np.array([events[row].t_arrival_s - delay_s for row in mine])
+        rows, columns = matched(arrived, sent, ARRIVED_WITHIN_S)
+        found[mine[rows]] = sent[columns]
+    return found
+
+
+def clock_errors(events: Sequence[Event], sent_s: Array) -> dict[str, tuple[Array, Array]]:
+    """Clock error of the events, by sensor: true times of stamping (M,) [s] in order, and errors (M,) [s].
+
+    Args:
+        events: with the server's estimate of their time.
+        sent_s: (N,) from `sent_times`.
+    """
+    found = {}
+    for sensor in sorted({event.sensor for event in events}):
+        pairs = [(t_s, event.t_s - t_s) for event, t_s in zip(events, sent_s.tolist(), strict=True)
+                 if event.sensor == sensor and np.isfinite(t_s)]  # fmt: skip
+        both = np.array(sorted(pairs)).reshape(-1, 2)
+        found[sensor] = (both[:, 0], both[:, 1])
+    return found
+
+
+def clock_quality(errors: Mapping[str, tuple[Array, Array]]) -> dict[str, ClockQuality]:
+    """Judge every sensor's clock by the errors of its events."""
+    return {sensor: ClockQuality(_p95(error), _mean(error), len(error)) for sensor, (_, error) in errors.items()}
 
 
 def robot_quality(

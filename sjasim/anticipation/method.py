@@ -8,7 +8,8 @@ of the iterations' beginnings and ends, and of timers it asked for, and answers 
 - `Withdrawal`: do not send that step's command after all.
 - `Wake`: call ``on_wake`` at a session time.
 
-Nothing else is needed: no clock, no polling, no knowledge of links or of the robot's speed. To write a method, put
+A method that follows some dancers rather than all of them says whom with `Follower.follows`: the paper's edges of the
+group depend on it, and the net latency. Nothing else is needed: no clock, no polling, no knowledge of links or of the robot's speed. To write a method, put
 a class with the five methods below in a file of this room, with a frozen dataclass of its options::
 
     @register("anticipation", "echo", config=EchoConfig)
@@ -60,6 +61,15 @@ class Method(Protocol):
 
     def on_wake(self, t_s: float) -> Sequence[Answer]:
         """A time asked for with `Wake` has come."""
+        ...
+
+
+@runtime_checkable
+class Follower(Protocol):
+    """What a method may have besides."""
+
+    def follows(self, iteration: int) -> tuple[str, ...] | None:
+        """Whom the robot follows in an iteration that begins; empty for nobody, None for everyone."""
         ...
 
 

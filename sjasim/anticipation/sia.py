@@ -110,7 +110,7 @@ class Sia(Scheduling):
         self._hurried: set[int] = set()
 
     def follows(self, iteration: int) -> tuple[str, ...] | None:
-        """Whom the robot follows in an iteration, as `synchrony.group_index` wants it; None for everyone."""
+        """The dancer chosen when the iteration before it closed; before `SiaConfig.effective_from` nobody, or everyone."""
         if iteration >= self._config.effective_from and iteration - 1 in self._chosen:
             return (self._chosen[iteration - 1],)
         return () if self._config.edges == "none" else None

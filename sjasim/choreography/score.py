@@ -108,10 +108,6 @@ class Timetable:
         """Session time at which the last iteration is over [s]."""
         return self.time_s(self.last, self.choreography.iteration_beats)
 
-    def faced(self, iteration: int) -> int:
-        """Which of four sensors is faced before the turn of this iteration: 0 in iteration 1, counter-clockwise."""
-        return round((self.heading_rad(iteration) - np.pi / 2) / (np.pi / 2)) % 4
-
     def heading_rad(self, iteration: int) -> float:
         """Heading of everyone before the turn of this iteration; iteration 1 faces north (world +y)."""
         return np.pi / 2 + (iteration - 1) * self.choreography.turn_rad

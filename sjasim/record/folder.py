@@ -120,6 +120,7 @@ def read(folder: str | Path) -> SessionLog:
         robot_events=tuple(rows["robot_events"][0]),
         notices=tuple(rows["notices"][0]),
         handovers=tuple(rows["handovers"][0]),
+        followed=tuple(rows["followed"][0]),
         odometry=columns["odometry"],
         truth=columns["truth"],
         cost={name: summary[name] for name in COST if name in summary},

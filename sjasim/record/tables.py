@@ -19,7 +19,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ..errors import RecordError
-from ..logs import AgentEvent, Decision, Handover, Notice
+from ..logs import AgentEvent, Decision, Followed, Handover, Notice
 from ..types import (
     Cue,
     DeviceEvent,
@@ -36,6 +36,7 @@ ROW_TYPES: Mapping[str, type] = {
     "robot_events": AgentEvent,
     "notices": Notice,
     "handovers": Handover,
+    "followed": Followed,
 }
 """Table -> the value that one row holds."""
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from sjasim.anticipation.synchrony import most_synchronous
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
 from sjasim.config_io import to_plain
-from sjasim.logs import AgentEvent, Decision, Notice, SessionLog
+from sjasim.logs import AgentEvent, Decision, Followed, Notice, SessionLog
 from sjasim.types import (
     ROBOT,
     Cue,
@@ -57,8 +58,21 @@ def session(method="sia", seed=0, iterations=2, spread_s=0.05, robot=True, joint
         odometry=odometry(robot_s, steps, table, config) if robot else {},
         truth=truth(true_s, steps, table, config),
         joints=skeletons(config, table) if joints else None,
+        followed=tuple(followed(events, method, iterations)),
         cost={"sim_s": table.end_s() + config.dance.tail_s, "cpu_s": 1.0, "wall_s": 1.5},
     )
+
+
+def followed(events, method, iterations):
+    """SIA follows nobody at first, then the most synchronous dancer of the iteration before; others follow all."""
+    before = None
+    for i in range(1, iterations + 1) if method == "sia" else ():
+        names = sorted({event.person for event in events})
+        last = [event for event in events if event.iteration == i - 1]
+        series = {name: [(e.t_s, e.kind) for e in last if e.person == name] for name in names}
+        columns = {name: ([t for t, _ in rows], [kind for _, kind in rows]) for name, rows in series.items()}
+        before = most_synchronous(columns, before, 0.25).person
+        yield Followed(i, before if i > 1 else "")
 
 
 def cues(true_s, steps):

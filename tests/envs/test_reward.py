@@ -45,7 +45,7 @@ class Story:
         )
         self.session = SimpleNamespace(
             brief=Brief(CAST, STEPS, 2, 60 / 118, starts, ends), config=CONFIG, timetable=TABLE, layout=room,
-            events=[], world=SimpleNamespace(robot_events=[], stage=stage), time_s=starts[1],
+            events=[], followed=[], world=SimpleNamespace(robot_events=[], stage=stage), time_s=starts[1],
         )  # fmt: skip
         self.scorer = Scorer(self.session, RewardConfig.of(weights))
 
