@@ -131,9 +131,7 @@ def mean_delay_s(network: NetworkConfig) -> float:
     return network.latency_s + network.jitter_s + network.uplink_extra_s
 
 
-def sent_times(
-    events: Sequence[Event], device_events: Sequence[tuple[DeviceEvent, float]], delay_s: float
-) -> Array:
+def sent_times(events: Sequence[Event], device_events: Sequence[tuple[DeviceEvent, float]], delay_s: float) -> Array:
     """(N,) true time at which a client sent what became each event [s]; NaN if it cannot be found.
 
     It is found by when the event arrived, which no clock has a part in.

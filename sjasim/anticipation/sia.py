@@ -39,6 +39,9 @@ class SiaConfig:
         window_s: an event is followed within this distance of the same event one iteration ago; narrower misses
             a group that starts early or late together, wider follows false events (assumed: iqbal2016 says
             "close to"; below 1.5 s many events fall out).
+        clap_wait_s: a turn waits so long past its scheduled time for the dancer's clap, which nothing announces
+            (assumed: iqbal2016 excludes claps from the early events and does not say what replaces one); as long as
+            the window it ends beyond the iteration's own.
         effective_from: first iteration in which a dancer is followed; before it the schedule is ECA's.
         lead_s: how long before a scheduled time a command is sent; larger makes unfollowed moves earlier.
         epsilon_s: as in ECA.
@@ -47,6 +50,7 @@ class SiaConfig:
     """
 
     window_s: float = 2.0
+    clap_wait_s: float = 1.0
     effective_from: int = 2
     lead_s: float = LEAD_S
     epsilon_s: float = EPSILON_S
@@ -56,6 +60,7 @@ class SiaConfig:
     def __post_init__(self) -> None:
         for name, value, low in (
             ("window_s", self.window_s, 0.05),
+            ("clap_wait_s", self.clap_wait_s, 0.0),
             ("effective_from", self.effective_from, 1),
             ("lead_s", self.lead_s, -2.0),
             ("epsilon_s", self.epsilon_s, 0.0),
@@ -149,6 +154,10 @@ class Sia(Scheduling):
         self._start_s = self._brief.iteration_start_s[iteration]
         end = self._brief.window_end_s[iteration] - self._start_s
         self._close = np.minimum(self._reference + self._config.window_s, end)
+        for plan in intentions:
+            if self._brief.steps[plan.ordinal].kind is Kind.CLAP:
+                waited = plan.t_s - self._start_s + self._config.clap_wait_s
+                self._close[plan.ordinal] = min(self._close[plan.ordinal], waited)
         self._next, self._followed = 0, -2
         self._planned = intentions
         why = f"fallback: no event within {self._config.window_s:g} s of the time expected of {self._note}"

@@ -5,6 +5,7 @@ import pytest
 
 from sjasim.answers import Intention, Withdrawal
 from sjasim.anticipation.scheduling import LEAD_S
+from sjasim.anticipation.sia import HOLD_S
 from sjasim.types import (
     Kind,
 )
@@ -108,7 +109,38 @@ def test_a_silent_leader_leaves_the_fallback_at_the_windows_end(following, story
         assert plan.why.startswith("fallback")
         assert plan.person == ""
     close = story.timetable.close_s(2) - story.start_s(2)
-    assert following.after(2) == pytest.approx(np.minimum(story.nominal + 2.0, close))
+    assert following.after(2)[:8] == pytest.approx(np.minimum(story.nominal + 2.0, close)[:8])
+
+
+def test_a_turn_without_a_clap_waits_a_second_past_its_schedule(following, story):
+    scheduled = story.nominal[8] + (0.05 + 0.6) / 3 - LEAD_S
+    assert following.after(2)[8] == pytest.approx(scheduled + 1.0)
+    assert sent(following.tell(story.event("dancer_1", 2, CLAP, story.nominal[8] + 1.2))) == []
+
+
+def test_a_phrase_that_comes_early_as_a_whole_is_followed(following, story):
+    for index, kind in enumerate((SF, TF, SB, TB)):
+        following.tell(story.event("dancer_1", 2, kind, story.nominal[index]))
+    early = story.nominal[4:8] - [1.8, 2.4, 2.9, 2.7]
+    answers = [
+        following.tell(story.event("dancer_1", 2, kind, at)) for kind, at in zip((SF, TF, SB, TB), early, strict=True)
+    ]
+    assert [sent(one) for one in answers] == [[(ordinal, "dancer_1")] for ordinal in (4, 5, 6, 7)]
+
+
+def test_a_phrase_begun_too_late_is_made_shorter(story):
+    late = np.array([0.0, 0.0, 0.0, 0.0, 1.4, 1.4, 0.0, -0.5, -1.5])
+    at = {"dancer_1": late, "dancer_2": late + 0.05, "dancer_3": late + 0.6}
+    following = story.Stage("sia").play(0, at).play(1, at)
+    following.begin(2)
+    for index, kind in enumerate((SF, TF, SB, TB)):
+        following.tell(story.event("dancer_1", 2, kind, story.nominal[index]))
+    begun = following.after(2)[4]
+    following.wait(story.start_s(2) + begun)
+    rest = following.after(2)[5:8]
+    assert rest[-1] == pytest.approx(story.nominal[8] - 1.5 - HOLD_S)
+    whole = np.diff(story.nominal[4:8] + late[4:8])
+    assert (np.diff([begun, *rest]) < whole).all()
 
 
 def test_a_phrase_that_the_leader_leaves_out_is_danced_to_its_end_before_the_turn(following, story):
