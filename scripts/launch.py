@@ -101,10 +101,8 @@ def install(python: str) -> None:
     installer = [uv, "pip", "install", "--python", str(PYTHON)] if uv else [str(PYTHON), "-m", "pip", "install"]
     # No byte-compiling of 1.2 GB beforehand: Python compiles what is used when it is used.
     quiet = ["--quiet"] if uv else ["--quiet", "--no-compile", "--disable-pip-version-check"]
-    target = ["-e", f"{ROOT}[test,dev,plots,video]", "-c", str(ROOT / "constraints.txt")]
+    target = ["-e", f"{ROOT}[test,dev,plots,video,train]", "-c", str(ROOT / "constraints.txt")]
     call([*installer, *quiet, *target], "the installation failed (see above); the same command tries again")
-    if (ROOT / "sjasim" / "warm.py").exists():
-        call([str(PYTHON), "-c", "import sjasim.warm"], "sjasim was installed but does not start (see above)")
     stamp["python"] = base_python(chosen)
     STAMP.write_text(json.dumps(stamp), encoding="utf-8")
     say("sjasim: installed.")

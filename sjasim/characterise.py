@@ -18,6 +18,7 @@ from . import cli
 from .config import SessionConfig
 from .config_io import to_plain
 from .errors import ConfigError
+from .record.whole import check_target, whole
 
 ABOUT = "How well joints are found, starts, stops and claps detected, and the robot obeys, over several sessions."
 
@@ -73,13 +74,13 @@ def command(arguments: Sequence[str]) -> None:
     for design in designs:
         check(design)
     if options.out is not None:
-        check_target(options.out, overwrite=options.overwrite)
+        check_target(options.out, options.overwrite, holds=FILE)
     card = characterise(designs)
     text = json.dumps(card, indent=1, allow_nan=False) + "\n"
     if options.out is not None:
-        options.out.mkdir(parents=True, exist_ok=True)
-        (options.out / FILE).write_text(text, encoding="utf-8")
-        (options.out / PAGE).write_text(page(card), encoding="utf-8")
+        with whole(check_target(options.out, options.overwrite, holds=FILE)) as draft:
+            (draft / FILE).write_text(text, encoding="utf-8")
+            (draft / PAGE).write_text(page(card), encoding="utf-8")
         sys.stderr.write(f"kept in {options.out}\n")
     sys.stdout.write(text if options.json else page(card))
 
@@ -95,18 +96,6 @@ def check(design: SessionConfig) -> None:
 
     resolve("sensing", design.sensing)
     layout(design.layout, design.group, design.room, design.sensors)
-
-
-def check_target(folder: Path, *, overwrite: bool) -> None:
-    """Make sure that a folder can take the files.
-
-    Raises:
-        ConfigError: it is a file, or holds something that is not to be replaced.
-    """
-    if folder.exists() and not folder.is_dir():
-        raise ConfigError("out", str(folder), "a folder")
-    if folder.exists() and any(folder.iterdir()) and not (overwrite and (folder / FILE).exists()):
-        raise ConfigError("out", str(folder), "a new or an empty folder; --overwrite replaces an earlier report card")
 
 
 def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:

@@ -100,7 +100,7 @@ def check(options: Options) -> None:
     if options.log_depth and options.out is None:
         raise ConfigError("log_depth", True, "only with --out DIR, in whose recording the images are kept")
     if options.out is not None:
-        from .record.folder import check_target
+        from .record.whole import check_target
 
         check_target(options.out, options.overwrite)
     if options.video is not None:

@@ -8,7 +8,7 @@ import pytest
 from sjasim import cli, export, view
 from sjasim.analysis.insight import insight
 from sjasim.analysis.measures import measures
-from sjasim.record import folder
+from sjasim.record import folder, whole
 
 from .analysis.synthetic import session
 from .record.test_rerun import with_skeletons
@@ -136,13 +136,13 @@ def test_export_wants_to_know_what(kept, capsys):
 def test_an_earlier_session_is_replaced_only_on_request(log, kept, tmp_path):
     target = folder.write(log, tmp_path / "one", measures(log).as_dict(), recording=False)
     with pytest.raises(folder.RecordError, match="--overwrite"):
-        folder.check_target(target)
+        whole.check_target(target)
     folder.write(log, target, {**measures(log).as_dict(), "again": 1}, recording=False, overwrite=True)
     assert folder.read_summary(target)["again"] == 1
     assert [path.name for path in tmp_path.iterdir()] == ["one"]
     (target / "session.json").unlink()
-    with pytest.raises(folder.RecordError, match="not a session"):
-        folder.check_target(target, overwrite=True)
+    with pytest.raises(folder.RecordError, match="something else"):
+        whole.check_target(target, overwrite=True)
 
 
 @pytest.mark.slow

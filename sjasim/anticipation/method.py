@@ -9,8 +9,9 @@ of the iterations' beginnings and ends, and of timers it asked for, and answers 
 - `Wake`: call ``on_wake`` at a session time.
 
 A method that follows some dancers rather than all of them says whom with `Follower.follows`: the paper's edges of the
-group depend on it, and the net latency. Nothing else is needed: no clock, no polling, no knowledge of links or of the robot's speed. To write a method, put
-a class with the five methods below in a file of this room, with a frozen dataclass of its options::
+group depend on it, and the net latency. Nothing else is needed: no clock, no polling, no knowledge of links or of the
+robot's speed. To write a method, put a class with the five methods below in a file of this room, with a frozen
+dataclass of its options::
 
     @register("anticipation", "echo", config=EchoConfig)
     class Echo:

@@ -115,7 +115,7 @@ class Sia(Scheduling):
         self._hurried: set[int] = set()
 
     def follows(self, iteration: int) -> tuple[str, ...] | None:
-        """The dancer chosen when the iteration before it closed; before `SiaConfig.effective_from` nobody, or everyone."""
+        """The dancer chosen when the last iteration closed; before `SiaConfig.effective_from` nobody, or everyone."""
         if iteration >= self._config.effective_from and iteration - 1 in self._chosen:
             return (self._chosen[iteration - 1],)
         return () if self._config.edges == "none" else None

@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import secrets
-import shutil
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,42 +11,13 @@ from ..errors import RecordError
 from ..logs import SessionLog
 from .insight import Insight
 from .tables import COLUMN_TABLES, ROW_TYPES, read_columns, read_rows, write_columns, write_rows
+from .whole import check_target, whole
 
 SCHEMA = 1
 """Version of the folder's layout."""
 
 COST = ("sim_s", "cpu_s", "wall_s")
 """What session.json keeps of a log's cost."""
-
-
-def check_target(folder: str | Path, overwrite: bool = False) -> Path:
-    """Make sure that a session can be written to a folder, before it is danced.
-
-    Args:
-        folder: where to; it may be absent or empty, and so may its parents be absent.
-        overwrite: whether it may hold an earlier session, which a new one replaces.
-
-    Returns:
-        its full path; nothing is left on disk.
-
-    Raises:
-        RecordError: it is a file, it holds something already, or its place cannot be written to.
-    """
-    target = Path(folder).expanduser().absolute()
-    try:
-        if target.exists() and not target.is_dir():
-            raise RecordError(f"{target} is a file: name a new or an empty folder")
-        held = target.exists() and any(target.iterdir())
-        if held and not overwrite:
-            raise RecordError(f"{target} is not empty: name a new or an empty folder, or allow it with --overwrite")
-        if held and not (target / "session.json").exists():
-            raise RecordError(f"{target} holds something that is not a session: name another folder")
-        ground = next(place for place in target.parents if place.exists())
-        with tempfile.TemporaryDirectory(prefix=".sjasim-", dir=ground):
-            pass
-    except OSError as error:
-        raise RecordError(f"{target} cannot be written: {error.strerror or error}") from None
-    return target
 
 
 def write(
@@ -66,7 +33,7 @@ def write(
 
     Args:
         log: the session.
-        folder: where to; see `check_target`.
+        folder: where to; see `whole.check_target`.
         summary: what session.json holds: the measures, the configuration, the cost.
         recording: whether session.rrd is written too.
         insight: what the recording shows beside the log.
@@ -79,22 +46,12 @@ def write(
         RecordError: the folder cannot be written.
     """
     target = check_target(folder, overwrite)
-    draft = None
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        draft = target.parent / f".{target.name}.partial-{secrets.token_hex(4)}"
-        draft.mkdir()
+    with whole(target) as draft:
         _write_all(log, draft, summary)
         if recording:
             from .rerun import save
 
             save(log, draft / "session.rrd", insight)
-        _replace(draft, target)
-    except OSError as error:
-        raise RecordError(f"{target} cannot be written: {error.strerror or error}") from None
-    finally:
-        if draft is not None and draft.exists():
-            shutil.rmtree(draft, ignore_errors=True)
     return target
 
 
@@ -145,19 +102,6 @@ def read_summary(folder: str | Path) -> dict[str, Any]:
     if not all(isinstance(summary.get(key), dict) for key in ("config", "versions")):
         raise RecordError(f"{path} lacks config or versions")
     return summary
-
-
-def _replace(draft: Path, target: Path) -> None:
-    """Put the draft in the target's place; an earlier session goes only once the new one stands."""
-    if not (target.exists() and any(target.iterdir())):
-        if target.exists():
-            target.rmdir()
-        os.replace(draft, target)
-        return
-    aside = target.with_name(f".{target.name}.old-{secrets.token_hex(4)}")
-    os.replace(target, aside)
-    os.replace(draft, target)
-    shutil.rmtree(aside, ignore_errors=True)
 
 
 def _write_all(log: SessionLog, draft: Path, summary: Mapping[str, object]) -> None:

@@ -17,8 +17,8 @@ BEHIND_S = 1.5
 """So long after the music a dancer may do a step before it counts as left out (assumed)."""
 
 LEFT_OUT = 3
-"""With so many steps left out at its end a window is reported: a back row's last phrase is hidden now and then, its clap
-after that rarely (three is in one of some 400 windows with the default layout)."""
+"""With so many steps left out at its end a window is reported: somebody's last phrase is hidden now and then, the clap
+after it rarely (three are left out in one of some 400 windows with the default layout)."""
 
 
 class RollCall:

@@ -47,7 +47,7 @@ def test_first_use_installs_and_the_second_does_not(launch, tmp_path, capsys):
     venv, install, command = launch.calls
     assert venv == [sys.executable, "-m", "venv", str(tmp_path / ".venv")]
     assert install[1:4] == ["-m", "pip", "install"]
-    assert install[-4:] == ["-e", f"{tmp_path}[test,dev,plots,video]", "-c", str(tmp_path / "constraints.txt")]
+    assert install[-4:] == ["-e", f"{tmp_path}[test,dev,plots,video,train]", "-c", str(tmp_path / "constraints.txt")]
     assert command == [str(launch.PYTHON), "-m", "sjasim.run", "--method", "eca"]
     heard = capsys.readouterr()
     assert "installing" in heard.err

@@ -14,10 +14,10 @@ from sjasim.training.scenes import scenes
 from sjasim.training.train import SMALL, Recipe, train
 from sjasim.training.tuning import estimate
 
-sklearn = pytest.importorskip("sklearn")
 TINY = Recipe(6, 4, 30, 4, 40, 20, 0, Growth(1, 40, 1, 20))
 
 
+@pytest.mark.slow
 def test_the_same_seed_trains_the_same_model():
     first, second = train(TINY), train(TINY)
     assert first.digest() == second.digest()

@@ -1,0 +1,53 @@
+"""Folders appear whole or not at all, and impossible places are refused before any work is done."""
+
+import pytest
+
+from sjasim.errors import RecordError
+from sjasim.record import whole
+
+
+@pytest.mark.parametrize("place", ["file", "file/below", "/proc/nowhere/x"])
+def test_impossible_places_are_refused_before_anything_is_written(place, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(RecordError) as caught:
+        whole.check_target(tmp_path / place)
+    assert "\n" not in str(caught.value)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_checking_leaves_nothing(tmp_path):
+    assert whole.check_target(tmp_path / "a" / "b") == tmp_path / "a" / "b"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_appears_when_all_is_written(tmp_path):
+    target = tmp_path / "a" / "b"
+    with whole.whole(target) as draft:
+        (draft / "x").write_text("1")
+        assert not target.exists()
+    assert [path.name for path in target.iterdir()] == ["x"]
+    assert [path.name for path in target.parent.iterdir()] == ["b"]
+
+
+def test_a_failure_leaves_what_was_there(tmp_path):
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "x").write_text("old")
+
+    def fill():
+        with whole.whole(tmp_path / "b") as draft:
+            (draft / "x").write_text("new")
+            raise OSError(28, "No space left on device")
+
+    with pytest.raises(RecordError, match="No space left"):
+        fill()
+    assert (tmp_path / "b" / "x").read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["b"]
+
+
+def test_only_an_outcome_of_the_same_kind_is_replaced(tmp_path):
+    (tmp_path / "x").write_text("")
+    with pytest.raises(RecordError, match="not empty"):
+        whole.check_target(tmp_path, holds="x")
+    assert whole.check_target(tmp_path, overwrite=True, holds="x") == tmp_path
+    with pytest.raises(RecordError, match="something else than y"):
+        whole.check_target(tmp_path, overwrite=True, holds="y")
