@@ -71,3 +71,10 @@ def test_without_a_tether_balance_is_fast_unless_rates_are_given():
     assert SessionConfig().stage.balance_hz == 50
     logged = SessionConfig(body=free, stage=StageConfig(truth_hz=25)).stage
     assert logged == StageConfig(rate_hz=240, balance_hz=240, truth_hz=25)
+
+
+def test_depth_sensing_follows_six_people_and_says_so():
+    assert SessionConfig(group=6).group == 6
+    assert SessionConfig(group=8, sensing="joints").group == 8
+    with pytest.raises(ConfigError, match="group = 7 is not allowed: at most 6 with depth sensing"):
+        SessionConfig(group=7)

@@ -54,26 +54,34 @@ def layout(name: str, group: int, room: RoomConfig, sensors: SensorConfig) -> La
             ``rows`` (the paper's aligned rows; of three for more than three dancers) or ``custom`` (``room.slots_m``).
         group: number of dancers, 1 to 8.
         room: distances.
-        sensors: their range, which every slot and move must lie in for the sensor that is faced.
+        sensors: their range and width of view, in which every slot and move must lie for the sensor that is faced.
 
     Raises:
-        ConfigError: slots are too few or too close, or someone would leave the active sensor's range.
+        ConfigError: slots are too few or too close, or someone would leave the active sensor's range or view.
     """
     slots = _slots(name, group, room)
     gaps = np.linalg.norm(slots[:, None] - slots[None], axis=-1) + 9.0 * np.eye(len(slots))
     if gaps.min() < 0.6:
         raise ConfigError("layout", name, f"slots at least .6 m apart, not {gaps.min():.2f} m")
+    fields = "room.slots_m" if name == "custom" else "room.side_m"
     mounts = tuple(_mount(cardinal, index, room) for index, cardinal in enumerate(CARDINALS))
     for mount in mounts:
-        depth = (np.c_[slots, np.zeros(len(slots))] - mount.position) @ mount.world_from_sensor[:, 2]
+        across, _, depth = ((np.c_[slots, np.zeros(len(slots))] - mount.position) @ mount.world_from_sensor).T
         near, far = depth.min() - room.move_m, depth.max()
         if near < sensors.min_range_m or far > sensors.max_range_m:
-            fields = "room.slots_m" if name == "custom" else "room.side_m"
             raise ConfigError(
                 "layout",
                 name,
                 f"bodies within {sensors.min_range_m:g} to {sensors.max_range_m:g} m of the {mount.name} sensor "
                 f"while it is faced, not {near:.2f} to {far:.2f} m (room.sensor_distance_m, {fields})",
+            )
+        aside = float(np.arctan2(np.abs(across), depth - room.move_m).max())
+        if aside > sensors.horizontal_fov_rad / 2:
+            raise ConfigError(
+                "layout",
+                name,
+                f"bodies within {np.degrees(sensors.horizontal_fov_rad / 2):.1f} degrees of the {mount.name} sensor's "
+                f"axis, also after a move forward, not {np.degrees(aside):.1f} (room.sensor_distance_m, {fields})",
             )
     return Layout(slots[:-1], slots[-1], mounts)
 

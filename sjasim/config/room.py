@@ -117,7 +117,8 @@ class StageConfig:
     Attributes:
         rate_hz: physics steps per second; 150 is a multiple of cameras', odometry's and balance's rates.
         balance_hz: rate of the balance controller and the joint targets.
-        truth_hz: rate at which the true state is logged.
+        truth_hz: rate at which the true state is logged, or a little more: a whole number of balance's steps lies
+            between two rows (without a tether 50 becomes 60).
     """
 
     rate_hz: int = 150

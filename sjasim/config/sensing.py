@@ -87,7 +87,7 @@ class DetectorConfig:
         early_joints: how many of SpineMid, both shoulders and Neck must exceed it.
         early_frames: for how many consecutive frames.
         early_rest_s: an early start is armed so long after the regular stop.
-        early_move_share: an early stop is armed after this share of the same move's duration in the last iteration
+        early_move_share: an early stop is armed after this share of the duration of the dancer's last move of that kind
             (assumed: iqbal2016 says only "half of the joint positions changed").
         clap_ratio: hand distance over shoulder distance below which a local minimum is a clap.
         clap_rest_s: shortest time between two claps.

@@ -18,6 +18,9 @@ FREE_HZ = 240, 240
 """Rates of physics and balance with a tether and without one: who balances alone balances often. The former do not
 keep anybody upright alone, and stand for the latter there."""
 
+MOST_SEEN = 6
+"""So many people depth sensing follows, as a Kinect v2 does."""
+
 
 @dataclass(frozen=True, slots=True)
 class SessionConfig:
@@ -34,7 +37,7 @@ class SessionConfig:
         layout: ``square``, ``rows`` or ``custom``.
         seed: of everything random in the session.
         performance: names the take; "" gives every method a fresh performance by the same people.
-        group: number of dancers.
+        group: number of dancers, up to 8; up to 6 with ``depth`` sensing.
         method_options: options of the method, by the names of its config's fields.
         faults: what is made to go wrong.
     """
@@ -67,6 +70,10 @@ class SessionConfig:
         within("iterations", self.iterations, 1, 64)
         within("seed", self.seed, 0, 2**63 - 1)
         within("group", self.group, 1, 8)
+        if self.sensing == "depth" and self.group > MOST_SEEN:
+            raise ConfigError(
+                "group", self.group, f"at most {MOST_SEEN} with depth sensing, which follows no more; or --sensing joints"
+            )
         if isinstance(self.seed, float):
             raise ConfigError("seed", self.seed, "a whole number")
         if self.body.tether == "none" and (self.stage.rate_hz, self.stage.balance_hz) == HELD_HZ:

@@ -73,6 +73,20 @@ def test_slots_too_close_or_out_of_range_are_refused():
         room("square", 3, side_m=3.0)
 
 
+def test_slots_beside_the_field_of_view_are_refused():
+    with pytest.raises(ConfigError, match=r"within 35\.3 degrees of the north sensor's axis.*not 37\.2"):
+        room("square", 3, sensor_distance_m=2.0)
+
+
+def test_the_active_sensor_sees_the_default_square_from_1_94_to_4_36_m():
+    place = room("square", 3)
+    slots = np.concatenate([place.dancers, [place.robot]])
+    for mount in place.mounts:
+        depth = (np.c_[slots, np.zeros(4)] - mount.position) @ mount.world_from_sensor[:, 2]
+        assert depth.min() - RoomConfig().move_m == pytest.approx(1.94, abs=0.005)
+        assert depth.max() == pytest.approx(4.36, abs=0.005)
+
+
 def test_own_slots_out_of_range_name_their_field():
     far = RoomConfig(slots_m=((9, 9), (1, 1), (0, 1), (-1, 0)))
     with pytest.raises(ConfigError, match=r"room\.slots_m"):
