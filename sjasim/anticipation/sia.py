@@ -222,7 +222,9 @@ class Sia(Scheduling):
 
     def _goes_on(self, kind: Kind) -> bool:
         """Whether it goes on from the step that was followed just before: that needs no window."""
-        return self._followed == self._next - 1 and kind == self._brief.steps[self._next].kind and kind not in FIRST
+        if self._followed != self._next - 1 or self._next == len(self._brief.steps):
+            return False
+        return kind == self._brief.steps[self._next].kind and kind not in FIRST
 
     def _step_of(self, kind: Kind, after_s: float) -> int | None:
         """The step whose expected time is nearest, if the window holds the event."""

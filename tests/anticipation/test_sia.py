@@ -128,6 +128,12 @@ def test_a_phrase_that_comes_early_as_a_whole_is_followed(following, story):
     assert [sent(one) for one in answers] == [[(ordinal, "dancer_1")] for ordinal in (4, 5, 6, 7)]
 
 
+def test_nothing_is_expected_after_the_clap(following, story):
+    for index, kind in enumerate((SF, TF, SB, TB, SF, TF, SB, TB, CLAP)):
+        assert sent(following.tell(story.event("dancer_1", 2, kind, story.nominal[index]))) == [(index, "dancer_1")]
+    assert following.tell(story.event("dancer_1", 2, SF, story.nominal[8] + 1.0)) == []
+
+
 def test_a_phrase_begun_too_late_is_made_shorter(story):
     late = np.array([0.0, 0.0, 0.0, 0.0, 1.4, 1.4, 0.0, -0.5, -1.5])
     at = {"dancer_1": late, "dancer_2": late + 0.05, "dancer_3": late + 0.6}
