@@ -142,14 +142,21 @@ def sent_times(events: Sequence[Event], device_events: Sequence[tuple[DeviceEven
         delay_s: mean time that an event takes to the server [s].
     """
     found = np.full(len(events), np.nan)
-    sources = [(event.sensor, event.kind, event.early) for event in events]
+    sources, origins = (
+        [_source(event) for event in rows] for rows in (events, [device for device, _ in device_events])
+    )
     for source in sorted(set(sources)):
         mine = np.array([row for row, other in enumerate(sources) if other == source])
-        sent = np.array([t_s for event, t_s in device_events if (event.sensor, event.kind, event.early) == source])
+        sent = np.array([t_s for (_, t_s), other in zip(device_events, origins, strict=True) if other == source])
         arrived = np.array([events[row].t_arrival_s - delay_s for row in mine])
         rows, columns = matched(arrived, sent, ARRIVED_WITHIN_S)
         found[mine[rows]] = sent[columns]
     return found
+
+
+def _source(event: Event | DeviceEvent) -> tuple[str, str, bool]:
+    """Sensor and sort of an event; a sensor that sees a back has forward and backward exchanged by the server."""
+    return event.sensor, event.kind.value.partition("_")[0], event.early
 
 
 def clock_errors(events: Sequence[Event], sent_s: Array) -> dict[str, tuple[Array, Array]]:

@@ -72,7 +72,9 @@ class SessionConfig:
         within("group", self.group, 1, 8)
         if self.sensing == "depth" and self.group > MOST_SEEN:
             raise ConfigError(
-                "group", self.group, f"at most {MOST_SEEN} with depth sensing, which follows no more; or --sensing joints"
+                "group",
+                self.group,
+                f"at most {MOST_SEEN} with depth sensing, which follows no more; or --sensing joints",
             )
         if isinstance(self.seed, float):
             raise ConfigError("seed", self.seed, "a whole number")
