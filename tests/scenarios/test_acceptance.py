@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,8 @@ from sjasim.session import run_session
 
 pytestmark = pytest.mark.slow
 
-SEEDS = range(9301, 9311)
+SEEDS = range(13001, 13011)
+"""Chosen before anybody had danced them; whoever tunes on them chooses others."""
 
 
 @pytest.fixture(scope="module", params=SEEDS)
@@ -85,16 +87,23 @@ def test_detectors_and_robot_over_all_seeds(figures):
 @pytest.fixture(scope="module")
 def metronomic():
     config = SessionConfig(humans="metronomic", sensing="joints")
-    return {method: measures(run_session(dataclasses.replace(config, method=method))) for method in ("eca", "sia")}
+    logs = {method: run_session(dataclasses.replace(config, method=method)) for method in ("eca", "sia")}
+    hidden = {method: 1.0 - np.nanmean(log.truth["spine_seen"]) for method, log in logs.items()}
+    return SimpleNamespace(hidden=hidden, **{method: measures(log) for method, log in logs.items()})
+
+
+def test_a_trunk_is_hidden_in_a_few_frames_only(metronomic):
+    print(f"\nSpineBase hidden in {metronomic.hidden} of the frames")
+    assert max(metronomic.hidden.values()) <= 0.07
 
 
 def test_eca_is_in_time_with_metronomic_dancers(metronomic):
-    print(f"\neca: gsi_full_edges {metronomic['eca'].gsi_full_edges:.3f}")
-    assert metronomic["eca"].gsi_full_edges >= 0.9
+    print(f"\neca: gsi_full_edges {metronomic.eca.gsi_full_edges:.3f}")
+    assert metronomic.eca.gsi_full_edges >= 0.9
 
 
 def test_sia_follows_metronomic_dancers_within_tau(metronomic):
-    latencies = metronomic["sia"].net_latency_s
+    latencies = metronomic.sia.net_latency_s
     for kind, latency in latencies.items():
         print(f"\n{kind}: {latency.mean:+.3f} s (sd {latency.sd:.3f}, n {latency.n})")
     assert set(latencies) == {"start_forward", "stop_forward", "start_backward", "stop_backward", "clap"}
