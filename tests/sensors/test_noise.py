@@ -62,6 +62,27 @@ def test_lateral_noise_moves_edges_by_a_pixel_at_most_when_near():
     assert not moved[:, :77].any()
 
 
+def test_lateral_noise_acts_on_a_slope_by_what_it_moves_there():
+    picture, slope_m = wall(2.5), 0.03
+    picture.depth_m[:] = 2.5 + slope_m * (np.arange(picture.depth_m.shape[1]) % 2)  # steps that do not mix
+    off = (sensed(picture) - picture.depth_m)[2:-2, 2:-2]
+    across = off[:, picture.depth_m[0, 2:-2] == 2.5]
+    flat = (sensed(wall(2.5)) - 2.5).std()
+    moved_px = noise.LATERAL_M * FX / 2.5
+    half_normal = np.sqrt(2.0 / np.pi)
+    assert across.mean() - (sensed(wall(2.5)) - 2.5).mean() == pytest.approx(slope_m * moved_px * half_normal, rel=0.1)
+    assert across.std() == pytest.approx(np.hypot(flat, slope_m * moved_px * np.sqrt(1 - 2 / np.pi)), rel=0.05)
+
+
+def test_lateral_noise_passes_an_edge_as_often_as_it_reaches_between_pixels():
+    picture = wall(2.5)
+    picture.depth_m[:, 80:] = np.inf  # nothing to mix with
+    before, away = sensed(picture)[:, 79], sensed(picture)[:, 78]
+    moved_px = noise.LATERAL_M * FX / 2.5
+    assert (before == 0).mean() == pytest.approx(0.5 * moved_px * np.sqrt(2.0 / np.pi), abs=0.03)
+    assert not (away == 0).any()
+
+
 def test_grazing_surfaces_lose_pixels():
     assert (sensed(wall(2.0, 1.5)) == 0).mean() == pytest.approx(noise.GRAZING_LOST, abs=0.02)
     assert not (sensed(wall(2.0, 1.4)) == 0).any()
