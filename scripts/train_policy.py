@@ -64,6 +64,12 @@ class Options:
     checkpoint: int = 10
     resume: Path | None = None
 
+    def __post_init__(self) -> None:
+        for name in ("minutes", "envs", "iterations", "step_hz", "rollout", "learning_rate", "checkpoint"):
+            if not getattr(self, name) > 0:
+                sys.stderr.write(f"error: {name} = {getattr(self, name)} is not allowed: a number above 0\n")
+                raise SystemExit(2)
+
 
 class Keeper(BaseCallback):
     """Shows progress on stderr, writes checkpoints, lowers the learning rate, and ends when the time is over."""
