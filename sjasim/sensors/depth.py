@@ -60,7 +60,7 @@ class DepthSensing:
         """(H, W) depth image of this instant in whole millimetres, 0 where there is none."""
         geoms = view.geoms
         picture = self._camera.picture(geoms)
-        limits = (self._config.min_range_m, self._config.max_range_m)
+        limits = (self._config.min_range_m, self._config.max_range_m + 1.0)
         self._last = _Last(self._mount, self.intrinsics, picture, geoms, np.array(view.joints_m))
         return noise.sensed(picture, geoms.form, self.intrinsics.fx, limits, self._noises)
 
