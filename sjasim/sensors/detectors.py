@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from ..config import DetectorConfig
 from ..types import Array, DeviceEvent, IntArray, Kind, MoveDuration, SkeletonFrame
 from .claps import clapping, met_s, unseen_hands
-from .glimpse import GLIMPSE, look
+from .glimpse import look, unseen
 from .motion import EVENTS, FACING_RAD, NOTHING, judge, strangers
 from .thresholds import BASE_HZ, Record, Records, rules
 
@@ -123,7 +123,7 @@ class Detectors:
         """Judge one frame; frames come in order of their time, some may be missing.
 
         Args:
-            frame: all persons' skeletons. If the persons differ from the last frame's, all detectors begin anew.
+            frame: all persons' skeletons. Those of somebody new begin anew, the others' go on.
 
         Returns:
             the events that it shows, in order of the persons, stamped with the time it had been processed.
@@ -144,15 +144,23 @@ class Detectors:
         return DeviceEvent(frame.sensor, person, kind, frame.t_device_s, early, onset_s)
 
     def _meet(self, persons: IntArray) -> None:
-        """Begin anew if these are others than before."""
+        """Begin anew with those who were not there before."""
         names = persons.tolist()
         if self._persons is None or names != self._names:
-            kept, count = int(self._rules["difference_frames"][0]) + 1, len(names)
-            self._names = names
-            self._frames = 0
-            self._motions, self._found = strangers(count), np.zeros(3 * count, dtype=FOUND)
-            glimpses = np.zeros((kept, count), dtype=GLIMPSE)
-            self._memory = (np.zeros(kept), glimpses, unseen_hands(count), self._motions, self._found)
+            ring, count = int(self._rules["difference_frames"][0]) + 1, len(names)
+            before = [] if self._persons is None else self._names
+            stay = [name for name in names if name in before]
+            times, glimpses = np.zeros(ring), unseen(ring, count)
+            hands, motions = unseen_hands(count), strangers(count)
+            if stay:
+                now, then = [names.index(name) for name in stay], [before.index(name) for name in stay]
+                times = self._memory[0]
+                glimpses[:, now] = self._memory[1][:, then]
+                hands[now], motions[now] = self._memory[2][then], self._memory[3][then]
+            else:
+                self._frames = 0
+            self._names, self._motions, self._found = names, motions, np.zeros(3 * count, dtype=FOUND)
+            self._memory = (times, glimpses, hands, motions, self._found)
             self._recall()
         self._persons = persons
 

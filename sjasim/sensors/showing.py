@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..assets.names import JOINTS
 from ..types import Array, IntArray
 from .camera import Intrinsics
+from .posture import TRUNK
 from .segmentation import Image
 
 LIMBS = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb", "Knee", "Ankle", "Foot")) for name in JOINTS])
@@ -28,6 +29,8 @@ ENOUGH = 0.03
 shown, 99 in 100 of those visible are within 15 cm; of joints with votes of which there is nothing, two in three)."""
 COVERED = 0.8
 """A joint of whose middle more than this share is covered is hidden (measured: so are 98 in 100 of those)."""
+FLESH_M = 0.25
+"""What is farther before a joint of the trunk than this is no flesh before it (assumed)."""
 HIDDEN, SHOWN = -1, 1
 
 
@@ -57,7 +60,7 @@ def _look(
 @njit(cache=True, error_model="numpy")
 def _shown(
     image: Image, fx: float, fy: float, height_m: float, joints: Array, scales: Array, limbs: IntArray,
-    out: NDArray[np.int8],
+    trunk: IntArray, out: NDArray[np.int8],
 ) -> None:  # fmt: skip
     middle_v, middle_u = (image.shape[0] - 3) / 2, (image.shape[1] - 3) / 2
     for k in range(len(joints)):
@@ -69,6 +72,13 @@ def _shown(
             per_m = scales[k] * fx / z
             near_mm, far_mm = 1000.0 * (z - BEFORE_M * scales[k]), 1000.0 * (z + BEHIND_M * scales[k])
             out[k, j] = _look(image, u, v, round(AROUND_M * per_m), round(MIDDLE_M * per_m), near_mm, far_mm)
+        for j in trunk:
+            x, y, z = joints[k, j]
+            if not z > 0.0:
+                continue
+            u, v = round(middle_u + fx * x / z), round(middle_v - fy * (y - height_m) / z)
+            if 0 <= u <= 2.0 * middle_u and 0 <= v <= 2.0 * middle_v:
+                out[k, j] = HIDDEN * (image[v + 1, u + 1] < 1000.0 * (z - FLESH_M * scales[k]))
 
 
 def shown(image: Image, intrinsics: Intrinsics, height_m: float, joints: Array, scales: Array) -> NDArray[np.int8]:
@@ -86,5 +96,5 @@ def shown(image: Image, intrinsics: Intrinsics, height_m: float, joints: Array, 
         there is none of it, 0 where the image does not tell, and for joints of the trunk.
     """
     out = np.zeros(joints.shape[:2], np.int8)
-    _shown(image, intrinsics.fx, intrinsics.fy, height_m, joints, scales, np.flatnonzero(LIMBS), out)
+    _shown(image, intrinsics.fx, intrinsics.fy, height_m, joints, scales, np.flatnonzero(LIMBS), TRUNK, out)
     return out

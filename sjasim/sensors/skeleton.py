@@ -222,9 +222,9 @@ class SkeletonEstimator:
         state = np.array([person.state for person in persons], dtype=np.int8).reshape(-1, len(JOINTS))
         joints[:, :, 1] -= self._height_m
         in_sight = np.array([person.missing_s == 0.0 for person in persons], dtype=bool)
-        guessed = in_sight & ((state[:, posture.TRUNK] == TRACKED).sum(axis=1) < LEAST_TRUNK)
         shown = np.array([person.shown for person in persons]).reshape(-1, len(JOINTS))
         state[in_sight[:, None] & (state == TRACKED) & (shown == showing.HIDDEN)] = INFERRED
+        guessed = in_sight & ((state[:, posture.TRUNK] == TRACKED).sum(axis=1) < LEAST_TRUNK)
         state[(in_sight & ~guessed)[:, None] & (state == INFERRED) & (shown == showing.SHOWN)] = TRACKED
         state[guessed[:, None] & (state == INFERRED)] = NOT_TRACKED
         joints[state == NOT_TRACKED] = np.nan
