@@ -29,8 +29,8 @@ ENOUGH = 0.03
 shown, 99 in 100 of those visible are within 15 cm; of joints with votes of which there is nothing, two in three)."""
 COVERED = 0.8
 """A joint of whose middle more than this share is covered is hidden (measured: so are 98 in 100 of those)."""
-FLESH_M = 0.25
-"""What is farther before a joint of the trunk than this is no flesh before it (assumed)."""
+FLESH_M = 0.40
+"""What is farther before a joint of the trunk than this is no arm of its own (assumed)."""
 HIDDEN, SHOWN = -1, 1
 
 
