@@ -9,6 +9,7 @@ Forward is towards the sensor. Nothing here knows the choreography. What the rul
   first be seen standing; a motion already under way gives no event. Whoever comes back into sight still in the same
   move goes on with it; a stop or a start that happened out of sight is nobody's event, since its time is not known.
   While a person turns faster than `motion.TURNING_RAD_S` the times that arm the start events begin anew.
+* Who comes or goes changes nothing for the others.
 * A SpineBase that is inferred serves the regular events. Early events count tracked joints only, since errors of
   inferred ones exceed the floor. A clap needs both hands tracked until shortly before they meet, where they hide
   each other: a hand the sensor cannot see is worth some 10 cm of error, and a guessed clap is worse than a lost one.
