@@ -77,6 +77,7 @@ class AsideDetectors:
         self._rules = rules(config, BASE_HZ)
         self._persons: IntArray | None = None
         self._names: list[int] = []
+        self._hands: Records
         self._meet(np.zeros(0, dtype=np.int64))
         self.reset()
 

@@ -107,6 +107,7 @@ class Detectors:
         self._lasted_s: dict[tuple[int, Kind], float] = {}
         self._persons: IntArray | None = None
         self._names: list[int] = []
+        self._memory: tuple[Array, Records, Records, Records, Records]
         self._meet(np.zeros(0, dtype=np.int64))
         self.reset()
 
