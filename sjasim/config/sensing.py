@@ -21,7 +21,7 @@ class SensorConfig:
         horizontal_fov_rad: field of view, 70.6 degrees.
         vertical_fov_rad: 60 degrees.
         min_range_m: nearest tracked person.
-        max_range_m: farthest tracked person.
+        max_range_m: farthest tracked person; under ``depth`` sensing who walks out of it is followed a metre farther.
         frame_loss: probability that a frame is never delivered.
         width_px: columns of a depth image: 512 (512 x 424) or 256 (256 x 212).
         bias_m: standard deviation of a joint's constant error, per axis. This and the next six are fitted to what

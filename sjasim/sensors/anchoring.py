@@ -21,8 +21,10 @@ ANCHORED = np.array([JOINT_INDEX["SpineBase"]])
 """(A,) joints that have a patch: those whose surface moves with them as one."""
 CELLS, CELL_M = 8, 0.03
 """A patch is so many cells wide and high; a cell has this size times the person's scale (assumed)."""
-GATE_M = 0.06
-"""A cell's depth farther from what is remembered is something else's, such as an arm's (assumed)."""
+GATE_M, AGREE_M = 0.06, 0.015
+"""A cell's depth farther from what is remembered is something else's, such as an arm's; and so is one farther than the
+second from where most cells say that the surface has come: beside the outline of a hand that passes, a cell's mean
+lies between the hand and the trunk (assumed)."""
 LEAST_M2 = 0.010
 """Surface that must agree for a patch to be believed: a sixth of it (assumed)."""
 DROP_S = 0.5
@@ -79,17 +81,27 @@ def gathered(scene: Foreground, joints: Array, scales: Array) -> Array:
 
 
 @njit(cache=True, error_model="numpy")
+def _median(values: Array, weights: Array) -> float:
+    """Of the values, the one that half of the weight does not exceed."""
+    below, half = 0.0, 0.5 * weights.sum()
+    for i in np.argsort(values):
+        below += weights[i]
+        if below >= half:
+            return float(values[i])
+    return math.nan
+
+
+@njit(cache=True, error_model="numpy")
 def _moved(cells: Array, known: Array, depth_m: float, least: float) -> float:
     """How far one patch (C, 2) has come from its joint's predicted depth; NaN where too few points agree."""
-    total = points = 0.0
+    off, points = np.zeros(len(cells)), np.zeros(len(cells))
     for c in range(len(cells)):
         n = cells[c, _POINTS]
-        if n > 0.0:
-            off = cells[c, _SUM] / n - depth_m - known[c, _BEYOND]
-            if abs(off) < GATE_M:
-                total += n * off
-                points += n
-    return total / points if points >= least else math.nan
+        away = cells[c, _SUM] / n - depth_m - known[c, _BEYOND] if n > 0.0 else math.nan
+        if abs(away) < GATE_M:
+            off[c], points[c] = away, n
+    agree = points * (np.abs(off - _median(off, points)) < AGREE_M)
+    return float((agree * off).sum() / agree.sum()) if agree.sum() >= least else math.nan
 
 
 @njit(cache=True, error_model="numpy")

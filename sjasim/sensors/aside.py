@@ -77,6 +77,7 @@ class AsideDetectors:
         self._rules = rules(config, BASE_HZ)
         self._persons: IntArray | None = None
         self._names: list[int] = []
+        self._hands: Records
         self._meet(np.zeros(0, dtype=np.int64))
         self.reset()
 
@@ -88,7 +89,7 @@ class AsideDetectors:
         """Judge one frame; frames come in order of their time, some may be missing.
 
         Args:
-            frame: all persons' skeletons. If the persons differ from the last frame's, all begin anew.
+            frame: all persons' skeletons. Somebody new begins anew, the others go on.
 
         Returns:
             the claps that it shows, stamped with the time it had been processed.
@@ -106,9 +107,13 @@ class AsideDetectors:
         ]
 
     def _meet(self, persons: IntArray) -> None:
-        """Begin anew if these are others than before."""
+        """Begin anew with those who were not there before."""
         names = persons.tolist()
         if self._persons is None or names != self._names:
-            self._names = names
-            self._hands, self._t_met_s = unseen_hands(len(names)), np.zeros(len(names))
+            before = [] if self._persons is None else self._names
+            hands = unseen_hands(len(names))
+            for row, name in enumerate(names):
+                if name in before:
+                    hands[row] = self._hands[before.index(name)]
+            self._names, self._hands, self._t_met_s = names, hands, np.zeros(len(names))
         self._persons = persons

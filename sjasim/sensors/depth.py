@@ -24,6 +24,9 @@ BoolArray = NDArray[np.bool_]
 NOT_A_DANCER = -1
 AHEAD_M = 0.05
 """What is nearer to the image plane than this is out of sight."""
+BEYOND_M = 1.0
+"""So much farther than the farthest person that is met a depth image reaches: who sways beyond that is not cut in half,
+which would look like a step (assumed; a Kinect v2's images reach 8 m, of which 4.5 m count for persons)."""
 OWN_M = 0.60
 """A person farther than this from every dancer is nobody (for the record only)."""
 _BASE = JOINT_INDEX["SpineBase"]
@@ -60,7 +63,7 @@ class DepthSensing:
         """(H, W) depth image of this instant in whole millimetres, 0 where there is none."""
         geoms = view.geoms
         picture = self._camera.picture(geoms)
-        limits = (self._config.min_range_m, self._config.max_range_m)
+        limits = (self._config.min_range_m, self._config.max_range_m + BEYOND_M)
         self._last = _Last(self._mount, self.intrinsics, picture, geoms, np.array(view.joints_m))
         return noise.sensed(picture, geoms.form, self.intrinsics.fx, limits, self._noises)
 

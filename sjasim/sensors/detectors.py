@@ -9,6 +9,7 @@ Forward is towards the sensor. Nothing here knows the choreography. What the rul
   first be seen standing; a motion already under way gives no event. Whoever comes back into sight still in the same
   move goes on with it; a stop or a start that happened out of sight is nobody's event, since its time is not known.
   While a person turns faster than `motion.TURNING_RAD_S` the times that arm the start events begin anew.
+* Who comes or goes changes nothing for the others.
 * A SpineBase that is inferred serves the regular events. Early events count tracked joints only, since errors of
   inferred ones exceed the floor. A clap needs both hands tracked until shortly before they meet, where they hide
   each other: a hand the sensor cannot see is worth some 10 cm of error, and a guessed clap is worse than a lost one.
@@ -26,7 +27,7 @@ from numpy.typing import NDArray
 from ..config import DetectorConfig
 from ..types import Array, DeviceEvent, IntArray, Kind, MoveDuration, SkeletonFrame
 from .claps import clapping, met_s, unseen_hands
-from .glimpse import GLIMPSE, look
+from .glimpse import look, unseen
 from .motion import EVENTS, FACING_RAD, NOTHING, judge, strangers
 from .thresholds import BASE_HZ, Record, Records, rules
 
@@ -106,6 +107,7 @@ class Detectors:
         self._lasted_s: dict[tuple[int, Kind], float] = {}
         self._persons: IntArray | None = None
         self._names: list[int] = []
+        self._memory: tuple[Array, Records, Records, Records, Records]
         self._meet(np.zeros(0, dtype=np.int64))
         self.reset()
 
@@ -123,7 +125,7 @@ class Detectors:
         """Judge one frame; frames come in order of their time, some may be missing.
 
         Args:
-            frame: all persons' skeletons. If the persons differ from the last frame's, all detectors begin anew.
+            frame: all persons' skeletons. Those of somebody new begin anew, the others' go on.
 
         Returns:
             the events that it shows, in order of the persons, stamped with the time it had been processed.
@@ -144,15 +146,23 @@ class Detectors:
         return DeviceEvent(frame.sensor, person, kind, frame.t_device_s, early, onset_s)
 
     def _meet(self, persons: IntArray) -> None:
-        """Begin anew if these are others than before."""
+        """Begin anew with those who were not there before."""
         names = persons.tolist()
         if self._persons is None or names != self._names:
-            kept, count = int(self._rules["difference_frames"][0]) + 1, len(names)
-            self._names = names
-            self._frames = 0
-            self._motions, self._found = strangers(count), np.zeros(3 * count, dtype=FOUND)
-            glimpses = np.zeros((kept, count), dtype=GLIMPSE)
-            self._memory = (np.zeros(kept), glimpses, unseen_hands(count), self._motions, self._found)
+            ring, count = int(self._rules["difference_frames"][0]) + 1, len(names)
+            before = [] if self._persons is None else self._names
+            stay = [name for name in names if name in before]
+            times, glimpses = np.zeros(ring), unseen(ring, count)
+            hands, motions = unseen_hands(count), strangers(count)
+            if stay:
+                now, then = [names.index(name) for name in stay], [before.index(name) for name in stay]
+                times = self._memory[0]
+                glimpses[:, now] = self._memory[1][:, then]
+                hands[now], motions[now] = self._memory[2][then], self._memory[3][then]
+            else:
+                self._frames = 0
+            self._names, self._motions, self._found = names, motions, np.zeros(3 * count, dtype=FOUND)
+            self._memory = (times, glimpses, hands, motions, self._found)
             self._recall()
         self._persons = persons
 

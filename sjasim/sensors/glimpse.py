@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX
 from ..types import TRACKED, Array
-from .thresholds import Record
+from .thresholds import Record, Records
 
 BASE, MID, NECK, LEFT, RIGHT, HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT = (
     JOINT_INDEX[name]
@@ -39,6 +39,13 @@ GLIMPSE = np.dtype([
     ("upper_m", np.float64, len(UPPER)),  # the same of SpineMid, Neck and both shoulders
 ])  # fmt: skip
 """One person in one frame."""
+
+
+def unseen(frames: int, count: int) -> Records:
+    """(frames, count) `GLIMPSE` of people whom no frame has shown yet: whatever is compared with them is unknown."""
+    out = np.zeros((frames, count), dtype=GLIMPSE)
+    out["base_m"] = out["yaw_rad"] = out["upper_m"] = nan
+    return out
 
 
 @njit(cache=True)

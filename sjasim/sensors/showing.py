@@ -2,7 +2,8 @@
 
 Who stands sideways shows few pixels of the far limb, too few to vote, although the posture puts it where it is; and
 votes may agree on a limb that something hides, or that has left. The image tells: there is flesh about the joint,
-just before it, or something else covers it, or the sensor looks through where it should be.
+just before it, or something else covers it, or the sensor looks through where it should be. Joints of a trunk may be
+covered, too: the rest of the body tells where they are, but not to the centimetre by which people seem to move.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from ..assets.names import JOINTS
 from ..types import Array, IntArray
 from .camera import Intrinsics
+from .posture import TRUNK
 from .segmentation import Image
 
 LIMBS = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb", "Knee", "Ankle", "Foot")) for name in JOINTS])
@@ -28,6 +30,8 @@ ENOUGH = 0.03
 shown, 99 in 100 of those visible are within 15 cm; of joints with votes of which there is nothing, two in three)."""
 COVERED = 0.8
 """A joint of whose middle more than this share is covered is hidden (measured: so are 98 in 100 of those)."""
+ARMS_M = 0.40
+"""What is farther before a joint of the trunk than this is somebody else's: no own arm reaches so far (assumed)."""
 HIDDEN, SHOWN = -1, 1
 
 
@@ -57,7 +61,7 @@ def _look(
 @njit(cache=True, error_model="numpy")
 def _shown(
     image: Image, fx: float, fy: float, height_m: float, joints: Array, scales: Array, limbs: IntArray,
-    out: NDArray[np.int8],
+    trunk: IntArray, out: NDArray[np.int8],
 ) -> None:  # fmt: skip
     middle_v, middle_u = (image.shape[0] - 3) / 2, (image.shape[1] - 3) / 2
     for k in range(len(joints)):
@@ -69,10 +73,17 @@ def _shown(
             per_m = scales[k] * fx / z
             near_mm, far_mm = 1000.0 * (z - BEFORE_M * scales[k]), 1000.0 * (z + BEHIND_M * scales[k])
             out[k, j] = _look(image, u, v, round(AROUND_M * per_m), round(MIDDLE_M * per_m), near_mm, far_mm)
+        for j in trunk:
+            x, y, z = joints[k, j]
+            if not z > 0.0:
+                continue
+            u, v = round(middle_u + fx * x / z), round(middle_v - fy * (y - height_m) / z)
+            if 0 <= u <= 2.0 * middle_u and 0 <= v <= 2.0 * middle_v:
+                out[k, j] = HIDDEN * (image[v + 1, u + 1] < 1000.0 * (z - ARMS_M * scales[k]))
 
 
 def shown(image: Image, intrinsics: Intrinsics, height_m: float, joints: Array, scales: Array) -> NDArray[np.int8]:
-    """Whether limbs are where they are believed to be.
+    """Whether joints are where they are believed to be.
 
     Args:
         image: (H + 2, W + 2) depth with a rim, see `segmentation.Foreground` [mm].
@@ -82,9 +93,9 @@ def shown(image: Image, intrinsics: Intrinsics, height_m: float, joints: Array, 
         scales: (P,) stature over 1.75 m.
 
     Returns:
-        (P, 25) `SHOWN` where surface lies about the joint as its own would, `HIDDEN` where something covers it or
-        there is none of it, 0 where the image does not tell, and for joints of the trunk.
+        (P, 25) `SHOWN` where surface lies about a limb's joint as its own would, `HIDDEN` where something covers it or
+        there is none of it, and where something covers a joint of the trunk; 0 where the image does not tell.
     """
     out = np.zeros(joints.shape[:2], np.int8)
-    _shown(image, intrinsics.fx, intrinsics.fy, height_m, joints, scales, np.flatnonzero(LIMBS), out)
+    _shown(image, intrinsics.fx, intrinsics.fy, height_m, joints, scales, np.flatnonzero(LIMBS), TRUNK, out)
     return out

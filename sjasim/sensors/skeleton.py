@@ -222,10 +222,13 @@ class SkeletonEstimator:
         state = np.array([person.state for person in persons], dtype=np.int8).reshape(-1, len(JOINTS))
         joints[:, :, 1] -= self._height_m
         in_sight = np.array([person.missing_s == 0.0 for person in persons], dtype=bool)
-        guessed = in_sight & ((state[:, posture.TRUNK] == TRACKED).sum(axis=1) < LEAST_TRUNK)
         shown = np.array([person.shown for person in persons]).reshape(-1, len(JOINTS))
         state[in_sight[:, None] & (state == TRACKED) & (shown == showing.HIDDEN)] = INFERRED
+        guessed = in_sight & ((state[:, posture.TRUNK] == TRACKED).sum(axis=1) < LEAST_TRUNK)
         state[(in_sight & ~guessed)[:, None] & (state == INFERRED) & (shown == showing.SHOWN)] = TRACKED
+        for tips in tracking.HANDS[2:]:  # where the image does not tell, the hand that they sit on does
+            held = (state[:, tips] == INFERRED) & (shown[:, tips] == 0) & (state[:, hands.FISTS] == TRACKED)
+            state[:, tips] = np.where(held & in_sight[:, None], TRACKED, state[:, tips])
         state[guessed[:, None] & (state == INFERRED)] = NOT_TRACKED
         joints[state == NOT_TRACKED] = np.nan
         for array in (names, joints, state):

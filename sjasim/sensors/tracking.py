@@ -308,7 +308,8 @@ class Person:
         place = 0.5 * (self.joints[_BASE, ::2] + self.joints[_MID, ::2])
         if self.frames and interval_s > 0.0:
             step = (place - self.place) / interval_s
-            self.velocity = self.velocity + blend(interval_s, SPEED_S) * step
+            steadier = 1.0 + following.SIDEWAYS * math.sin(self.yaw_rad) ** 2
+            self.velocity = self.velocity + blend(interval_s, SPEED_S * steadier) * step
         self.place = place
         self.frames += 1
         self.missing_s = 0.0

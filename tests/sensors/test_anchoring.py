@@ -74,6 +74,13 @@ def test_an_arm_before_the_surface_moves_nothing(known):
     assert follow(known, scene, DEPTH_M, DEPTH_M) == pytest.approx(DEPTH_M, abs=1e-5)
 
 
+def test_the_outline_of_a_hand_that_passes_moves_nothing(known):
+    scene = surface(DEPTH_M + 0.01)
+    mixed = scene.point[: scene.count, 0] > 0.05  # cells there hold some points of the hand, some of the trunk
+    scene.point[: scene.count, 2][mixed] -= 0.04
+    assert follow(known, scene, DEPTH_M, DEPTH_M) == pytest.approx(DEPTH_M + 0.01, abs=1e-4)
+
+
 def test_what_stays_before_the_surface_is_learnt_anew(known):
     near = surface(DEPTH_M - anchoring.GATE_M - 0.05)
     for _ in range(round(anchoring.DROP_S / DT_S) + 2):

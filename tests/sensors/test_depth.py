@@ -16,7 +16,7 @@ from sjasim.config import SensorConfig
 from sjasim.errors import SjasimError
 from sjasim.registry import resolve
 from sjasim.sensors import posture
-from sjasim.sensors.depth import DepthSensing
+from sjasim.sensors.depth import BEYOND_M, DepthSensing
 from sjasim.sensors.skeleton import LEAST_TRUNK, SkeletonEstimator, certainty
 from sjasim.training import report
 from sjasim.training.trials import Outcome, Trial, perform, run, stage_dance
@@ -95,6 +95,15 @@ assert "mujoco" not in sys.modules
         again = np.load(tmp_path / f"{tick}.npz")
         assert all(np.array_equal(again[name], getattr(one, name), equal_nan=True) for name in again.files)
     assert before[-1].joints.shape == (3, 25, 3)
+
+
+def test_a_depth_image_reaches_beyond_the_farthest_person_that_is_met():
+    trial = Trial(78, 4.0)
+    view, room = stage_dance(trial)
+    reach_m = 3.0
+    sensing = DepthSensing(room.mounts[0], SensorConfig(max_range_m=reach_m), 3, stream(0, "sensor"))
+    farthest_m = 0.001 * float(sensing.frame(view).max())
+    assert reach_m + 0.9 * BEYOND_M < farthest_m <= reach_m + BEYOND_M
 
 
 def estimator() -> SkeletonEstimator:

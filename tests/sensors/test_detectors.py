@@ -13,7 +13,7 @@ from sjasim.sensors import motion
 from sjasim.sensors.detectors import Detectors
 from sjasim.sensors.glimpse import GLIMPSE
 from sjasim.sensors.thresholds import rules
-from sjasim.types import DeviceEvent, Kind, MoveDuration, SkeletonFrame, Skeletons
+from sjasim.types import TRACKED, DeviceEvent, Kind, MoveDuration, SkeletonFrame, Skeletons
 
 from .scripted import (
     FRAME_HZ,
@@ -346,3 +346,21 @@ def test_same_seed_same_events():
     end_s = max(script.claps[-1] for script in scripts) + 2.0
     assert watch(ScriptedView(scripts), end_s, again) == events
     assert dancers(again) == order
+
+
+@pytest.mark.parametrize("comes_s", [2.5, 3.0])
+def test_who_comes_into_the_picture_changes_nothing_for_the_others(comes_s: float):
+    """Somebody else is found while a dancer begins to walk: the start is seen all the same, and nobody else's."""
+    script = Script(PLACES[0], walks=[Walk(2.0, 1.8, 0.5)])
+    view = ScriptedView([script])
+    detectors = Detectors(DetectorConfig(), FRAME_HZ)
+    state = np.full((2, 25), TRACKED, np.int8)
+    found = []
+    for tick in range(round(5.0 * FRAME_HZ)):
+        t_s = tick / FRAME_HZ
+        joints = (view.at(t_s).joints_m[[0, 0]] - NORTH.position) @ NORTH.world_from_sensor
+        count = 1 if t_s < comes_s else 2
+        skeletons = Skeletons(np.arange(4, 4 + count), joints[:count], state[:count])
+        found += detectors.update(SkeletonFrame("north", t_s, t_s, t_s, skeletons))
+    regular = [(event.person, event.kind) for event in found if not event.early]
+    assert regular == [(4, Kind.START_FORWARD), (4, Kind.STOP_FORWARD)]

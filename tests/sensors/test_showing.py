@@ -55,6 +55,16 @@ def test_nothing_is_shown_outside_of_the_picture(hand_m: tuple[float, float, flo
     assert verdict([(-1.0, AWAY_M)], hand_m) != SHOWN
 
 
+@pytest.mark.parametrize(
+    ("before_m", "said"), [(0.1, 0), (0.3, 0), (0.8, HIDDEN)], ids=["flesh", "own arm", "somebody"]
+)
+def test_only_somebody_else_hides_a_joint_of_the_trunk(before_m: float, said: int):
+    image = np.full((INTRINSICS.height + 2, INTRINSICS.width + 2), round(1000 * (AWAY_M - before_m)), np.int16)
+    joints = np.full((1, 25, 3), np.nan)
+    joints[0, JOINT_INDEX["SpineBase"]] = 0.1, HEIGHT_M, AWAY_M
+    assert shown(image, INTRINSICS, HEIGHT_M, joints, np.ones(1))[0, JOINT_INDEX["SpineBase"]] == said
+
+
 def test_limbs_are_arms_and_legs():
     assert LIMBS.sum() == 16
     assert not LIMBS[[JOINT_INDEX[name] for name in ("Head", "SpineBase", "ShoulderLeft", "HipRight")]].any()
