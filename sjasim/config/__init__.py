@@ -8,11 +8,12 @@ from .faults import FAULTS, FaultConfig
 from .network import ClockConfig, NetworkConfig, SynchronyConfig
 from .robot import RobotConfig
 from .room import BodyConfig, DanceConfig, RoomConfig, StageConfig
-from .sensing import DetectorConfig, SensorConfig
+from .sensing import MOST_SEEN, DetectorConfig, SensorConfig
 from .session import SessionConfig
 
 __all__ = [
     "FAULTS",
+    "MOST_SEEN",
     "BodyConfig",
     "ClockConfig",
     "DanceConfig",

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from ..errors import ConfigError
 from .checks import within
 
+MOST_SEEN = 6
+"""So many people depth sensing follows, as a Kinect v2 does."""
+
 
 @dataclass(frozen=True, slots=True)
 class SensorConfig:
@@ -21,7 +24,7 @@ class SensorConfig:
         horizontal_fov_rad: field of view, 70.6 degrees.
         vertical_fov_rad: 60 degrees.
         min_range_m: nearest tracked person.
-        max_range_m: farthest tracked person; under ``depth`` sensing who walks out of it is followed a metre farther.
+        max_range_m: farthest tracked person; who sways out of it is inferred.
         frame_loss: probability that a frame is never delivered.
         width_px: columns of a depth image: 512 (512 x 424) or 256 (256 x 212).
         bias_m: standard deviation of a joint's constant error, per axis. This and the next six are fitted to what

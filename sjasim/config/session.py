@@ -11,15 +11,12 @@ from .faults import FaultConfig
 from .network import ClockConfig, NetworkConfig, SynchronyConfig
 from .robot import RobotConfig
 from .room import BodyConfig, DanceConfig, RoomConfig, StageConfig
-from .sensing import DetectorConfig, SensorConfig
+from .sensing import MOST_SEEN, DetectorConfig, SensorConfig
 
 HELD_HZ = StageConfig().rate_hz, StageConfig().balance_hz
 FREE_HZ = 240, 240
 """Rates of physics and balance with a tether and without one: who balances alone balances often. The former do not
 keep anybody upright alone, and stand for the latter there."""
-
-MOST_SEEN = 6
-"""So many people depth sensing follows, as a Kinect v2 does."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,11 +22,9 @@ from .skeleton import SkeletonEstimator
 BoolArray = NDArray[np.bool_]
 
 NOT_A_DANCER = -1
-AHEAD_M = 0.05
-"""What is nearer to the image plane than this is out of sight."""
 BEYOND_M = 1.0
-"""So much farther than the farthest person that is met a depth image reaches: who sways beyond that is not cut in half,
-which would look like a step (assumed; a Kinect v2's images reach 8 m, of which 4.5 m count for persons)."""
+"""So much farther than the farthest tracked person a depth image reaches: who sways beyond that is not cut in half, which
+would look like a step, but inferred (assumed; a Kinect v2's images reach 8 m, of which 4.5 m count for persons)."""
 OWN_M = 0.60
 """A person farther than this from every dancer is nobody (for the record only)."""
 _BASE = JOINT_INDEX["SpineBase"]
@@ -57,15 +55,15 @@ class DepthSensing:
 
     @cached_property
     def _estimator(self) -> SkeletonEstimator:
-        return SkeletonEstimator(self.intrinsics, float(self._mount.position[2]))
+        return SkeletonEstimator(self.intrinsics, float(self._mount.position[2]), self._config.max_range_m)
 
     def frame(self, view: StageView) -> NDArray[np.uint16]:
         """(H, W) depth image of this instant in whole millimetres, 0 where there is none."""
         geoms = view.geoms
         picture = self._camera.picture(geoms)
-        limits = (self._config.min_range_m, self._config.max_range_m + BEYOND_M)
-        self._last = _Last(self._mount, self.intrinsics, picture, geoms, np.array(view.joints_m))
-        return noise.sensed(picture, geoms.form, self.intrinsics.fx, limits, self._noises)
+        near_m, far_m = self._config.min_range_m, self._config.max_range_m
+        self._last = _Last(self._mount, self.intrinsics, (near_m, far_m), picture, geoms, np.array(view.joints_m))
+        return noise.sensed(picture, geoms.form, self.intrinsics.fx, (near_m, far_m + BEYOND_M), self._noises)
 
     def sample(self, view: StageView) -> Skeletons | None:
         """See the stage at this instant.
@@ -106,14 +104,15 @@ class DepthSensing:
 
 @njit(cache=True, error_model="numpy")
 def _look(
-    joints: Array, fx: float, fy: float, geom: NDArray[np.int16], depth: Array, owner: IntArray, out: BoolArray
-) -> None:
-    """Mark the joints (D, 25, 3) whose pixel shows nothing before them but their own dancer's flesh."""
+    joints: Array, fx: float, fy: float, range_m: tuple[float, float], geom: NDArray[np.int16], depth: Array,
+    owner: IntArray, out: BoolArray,
+) -> None:  # fmt: skip
+    """Mark the joints (D, 25, 3) in range whose pixel shows nothing before them but their own dancer's flesh."""
     height, width = geom.shape
     for d in range(joints.shape[0]):
         for j in range(joints.shape[1]):
             x, y, z = joints[d, j]
-            if z > AHEAD_M:
+            if range_m[0] <= z <= range_m[1]:
                 u, v = np.rint((width - 1) / 2 + fx * x / z), np.rint((height - 1) / 2 - fy * y / z)
                 if 0.0 <= u < width and 0.0 <= v < height:
                     row, column = int(v), int(u)
@@ -137,8 +136,11 @@ def _name(seen: Array, joints: Array, out: IntArray) -> None:
 class _Last:
     """The last frame's truth, looked at when somebody asks; valid until the camera's next picture."""
 
-    def __init__(self, mount: Mount, intrinsics: Intrinsics, picture: Picture, geoms: Geoms, joints_m: Array) -> None:
-        self._intrinsics = intrinsics
+    def __init__(
+        self, mount: Mount, intrinsics: Intrinsics, range_m: tuple[float, float], picture: Picture, geoms: Geoms,
+        joints_m: Array,
+    ) -> None:  # fmt: skip
+        self._intrinsics, self._range_m = intrinsics, range_m
         self._picture = picture
         self._owner = geoms.owner
         self._joints = (joints_m - mount.position) @ mount.world_from_sensor
@@ -157,5 +159,5 @@ class _Last:
         """(D, 25) joints whose pixel shows nothing before them but their own dancer's flesh."""
         pinhole, picture = self._intrinsics, self._picture
         out = np.zeros(self._joints.shape[:2], dtype=bool)
-        _look(self._joints, pinhole.fx, pinhole.fy, picture.geom, picture.depth_m, self._owner, out)
+        _look(self._joints, pinhole.fx, pinhole.fy, self._range_m, picture.geom, picture.depth_m, self._owner, out)
         return out

@@ -13,6 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINTS
+from ..config import MOST_SEEN
 from ..errors import SjasimError
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array, Skeletons
 from . import anchoring, freespace, hands, posture, segmentation, showing, tracking
@@ -22,8 +23,6 @@ from .segmentation import Foreground
 from .tracking import Person
 from .votes import LEAST_VOTES, Votes, yaw_votes
 
-MOST_PERSONS = 6
-"""A Kinect v2 follows six; who comes later is not tracked."""
 VOTING, TURNING = 240, 90
 """Points of a person that vote for joints and for the yaw."""
 LEAST_M2 = 0.02
@@ -88,14 +87,17 @@ class SkeletonEstimator:
     Args:
         intrinsics: the frames' pinhole.
         height_m: of the sensor above the floor; it stands level.
+        far_m: joints farther away than this are inferred at best: nobody is tracked there.
         model: the trained model; the package's own by default.
     """
 
-    def __init__(self, intrinsics: Intrinsics, height_m: float, model: Model | None = None) -> None:
+    def __init__(
+        self, intrinsics: Intrinsics, height_m: float, far_m: float = math.inf, model: Model | None = None
+    ) -> None:
         self._intrinsics = intrinsics
-        self._height_m = height_m
+        self._height_m, self._far_m = height_m, far_m
         self._model = unpacked(model or default())
-        self._votes = Votes(self._model, MOST_PERSONS)
+        self._votes = Votes(self._model, MOST_SEEN)
         self._scene = Foreground.room(intrinsics)
         self._lens = hands.lens(intrinsics, height_m)
         self._per_pixel = 1.0 / (intrinsics.fx * intrinsics.fy)
@@ -145,7 +147,7 @@ class SkeletonEstimator:
         strange = segmentation.strangers(self._scene, self._intrinsics, area, tracking.REACH_M)
         if strange:
             for x, z in tracking.found_again(strange, self._persons):
-                if len(self._persons) < MOST_PERSONS and not self._half_out(x, z):
+                if len(self._persons) < MOST_SEEN and not self._half_out(x, z):
                     self._persons.append(Person(self._next, np.array([x, z])))
                     self._next += 1
             self._share()
@@ -229,6 +231,7 @@ class SkeletonEstimator:
         for tips in tracking.HANDS[2:]:  # where the image does not tell, the hand that they sit on does
             held = (state[:, tips] == INFERRED) & (shown[:, tips] == 0) & (state[:, hands.FISTS] == TRACKED)
             state[:, tips] = np.where(held & in_sight[:, None], TRACKED, state[:, tips])
+        state[(joints[:, :, 2] > self._far_m) & (state == TRACKED)] = INFERRED
         state[guessed[:, None] & (state == INFERRED)] = NOT_TRACKED
         joints[state == NOT_TRACKED] = np.nan
         for array in (names, joints, state):

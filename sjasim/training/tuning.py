@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..choreography.layout import Mount
 from ..clock import stream
+from ..config import MOST_SEEN
 from ..sensors import posture
 from ..sensors.model import Model, unpacked
-from ..sensors.skeleton import LEAST_M2, MOST_PERSONS, VOTING, shares
+from ..sensors.skeleton import LEAST_M2, VOTING, shares
 from ..sensors.votes import Votes
 from ..types import Array
 from .samples import Watcher, in_body
@@ -65,7 +66,7 @@ class Estimates:
 
 def estimate(scenes: Iterable[tuple[Mount, Scene]], model: Model, seed: int, name: str) -> Estimates:
     """Let a model see scenes that it was not trained on."""
-    watcher, votes = Watcher(seed, name), Votes(unpacked(model), MOST_PERSONS)
+    watcher, votes = Watcher(seed, name), Votes(unpacked(model), MOST_SEEN)
     rows: list[tuple[Array, ...]] = []
     fx = watcher.intrinsics.fx
     for mount, scene in scenes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -75,6 +76,23 @@ def frames(count: int = 12) -> tuple[list[np.ndarray], list[Skeletons]]:
         depths.append(sensing.frame(view))
         found.append(estimator.update(view.time_s, depths[-1]))
     return depths, found
+
+
+def test_who_is_farther_than_persons_are_tracked_is_inferred_and_not_visible():
+    view, room = stage_dance(Trial(78, 4.0))
+    far_m = 3.0
+    sensing = DepthSensing(room.mounts[0], replace(SensorConfig(), max_range_m=far_m), 3, stream(0, "sensor"))
+    for tick in range(12):
+        view.at(tick)
+        skeletons = sensing.sample(view)
+    depth_m = ((view.joints_m - room.mounts[0].position) @ room.mounts[0].world_from_sensor)[..., 2]
+    assert (depth_m > far_m).any()
+    assert not sensing.visibility[depth_m > far_m].any()
+    assert sensing.visibility[depth_m <= far_m].any()
+    beyond = skeletons.joints[:, :, 2] > far_m
+    assert beyond.any()
+    assert (skeletons.state[beyond] == INFERRED).all()
+    assert (skeletons.state == TRACKED).any()
 
 
 def test_the_same_frames_give_the_same_skeletons_without_mujoco(tmp_path):
