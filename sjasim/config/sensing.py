@@ -30,7 +30,7 @@ class SensorConfig:
         bias_m: standard deviation of a joint's constant error, per axis. This and the next six are fitted to what
             ``depth`` sensing gets wrong, by ``scripts/fit_joint_errors.py`` (seeds 8760 to 8769).
         drift_m: standard deviation of the slowly varying error of a visible joint of trunk or head, per axis.
-        drift_correlation: correlation of that error between frames; with ``drift_m`` gives .036 cm from frame to frame.
+        drift_correlation: correlation of that error between frames; with ``drift_m`` gives .035 cm from frame to frame.
         limb_drift_m: the same as ``drift_m`` for joints of arms and legs.
         limb_drift_correlation: of that error.
         hidden_factor: how much larger both errors are where the joint is hidden.
@@ -47,13 +47,13 @@ class SensorConfig:
     max_range_m: float = 4.5
     frame_loss: float = 0.0
     width_px: int = 256
-    bias_m: float = 0.0104
-    drift_m: float = 0.0039
-    drift_correlation: float = 0.9957
-    limb_drift_m: float = 0.0113
-    limb_drift_correlation: float = 0.9440
-    hidden_factor: float = 2.23
-    hidden_factor_hand: float = 2.58
+    bias_m: float = 0.0103
+    drift_m: float = 0.0037
+    drift_correlation: float = 0.9954
+    limb_drift_m: float = 0.0110
+    limb_drift_correlation: float = 0.9300
+    hidden_factor: float = 2.13
+    hidden_factor_hand: float = 2.49
 
     def __post_init__(self) -> None:
         within("sensors.rate_hz", self.rate_hz, 5, 120)

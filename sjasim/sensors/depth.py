@@ -24,7 +24,7 @@ BoolArray = NDArray[np.bool_]
 NOT_A_DANCER = -1
 BEYOND_M = 1.0
 """So much farther than the farthest tracked person a depth image reaches: who sways beyond that is not cut in half,
-which would look like a step, but inferred (assumed; a Kinect v2's images reach 8 m, of which 4.5 m count for persons)."""
+which would look like a step, but inferred (assumed; a Kinect v2's images reach 8 m, of which 4.5 count for persons)."""
 OWN_M = 0.60
 """A person farther than this from every dancer is nobody (for the record only)."""
 _BASE = JOINT_INDEX["SpineBase"]
