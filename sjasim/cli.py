@@ -6,6 +6,7 @@ import contextlib
 import io
 import re
 import sys
+import traceback
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
@@ -13,7 +14,7 @@ import tyro
 
 from .config import SessionConfig
 from .config_io import read_toml
-from .errors import SjasimError
+from .errors import HookError, SjasimError
 
 T = TypeVar("T")
 
@@ -32,12 +33,15 @@ def main(command: Callable[[Sequence[str]], None], arguments: Sequence[str] | No
         arguments: the command line without the program's name; that of the process if None.
 
     Returns:
-        0 when done, 2 after one line on stderr when the input was bad, 130 on Ctrl-C.
+        0 when done, 2 after one line on stderr when the input was bad (and the traceback of a user's own code that
+        failed), 130 on Ctrl-C.
     """
     try:
         command(list(sys.argv[1:] if arguments is None else arguments))
     except SjasimError as error:
         sys.stderr.write(f"error: {' '.join(str(error).split())}\n")
+        if isinstance(error, HookError):
+            traceback.print_exception(error.__cause__, file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
         sys.stderr.write("interrupted\n")
