@@ -78,7 +78,7 @@ def command(arguments: Sequence[str]) -> None:
     card = characterise(designs)
     text = json.dumps(card, indent=1, allow_nan=False) + "\n"
     if options.out is not None:
-        with whole(check_target(options.out, options.overwrite, holds=FILE)) as draft:
+        with whole(check_target(options.out, options.overwrite, holds=FILE), options.overwrite) as draft:
             (draft / FILE).write_text(text, encoding="utf-8")
             (draft / PAGE).write_text(page(card), encoding="utf-8")
         sys.stderr.write(f"kept in {options.out}\n")

@@ -75,7 +75,8 @@ def check_moment(options: Options, summaries: Sequence[Mapping[str, Any]]) -> No
         return
     if options.screenshot is None:
         raise ConfigError("at", options.at, "only with --screenshot FILE.png")
-    end_s = max(timetable(from_plain(summary["config"])).end_s() for summary in summaries)
+    configs = [from_plain(summary["config"]) for summary in summaries]
+    end_s = max(timetable(config).end_s() + config.dance.tail_s for config in configs)
     if not 0.0 <= options.at <= end_s:
         raise ConfigError("at", options.at, f"a session time from 0 to {end_s:.1f} s")
 
