@@ -107,6 +107,8 @@ def check(options: Options) -> None:
         from .film import check_writer
         from .view import check_file
 
+        if options.video.suffix != ".mp4":
+            raise ConfigError("video", str(options.video), "a file whose name ends in .mp4")
         check_writer()
         check_file(options.video, options.overwrite)
     if options.plots is not None:

@@ -56,7 +56,7 @@ def test_of_two_runs_at_once_the_second_loses_nothing_of_the_first(tmp_path, bef
             with whole.whole(whole.check_target(target)) as other:
                 (other / "x").write_text("first")
 
-    with pytest.raises(RecordError, match="b has been filled by another run meanwhile: .*--overwrite"):
+    with pytest.raises(RecordError, match=r"b has been filled by another run meanwhile: .*--overwrite"):
         fill()
     assert (target / "x").read_text() == "first"
     assert [path.name for path in tmp_path.iterdir()] == ["b"]

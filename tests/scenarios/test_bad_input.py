@@ -20,6 +20,9 @@ BAD = {
     "broken configuration": (["--config", "{here}/broken.toml"], "broken.toml"),
     "a file for a folder": (["--out", "{here}/broken.toml"], "is a file"),
     "a full folder": (["--out", "{here}"], "not empty"),
+    "slots of no layout": (["--room.slots-m", "0", "1", "1", "0", "0", "0", "1", "1"], "only with layout custom"),
+    "a film of another kind": (["--video", "{here}/dance.avi"], "ends in .mp4"),
+    "a film without a kind": (["--video", "{here}/dance"], "ends in .mp4"),
     "no such option": (["--speed", "3"], "--speed"),
 }
 
