@@ -7,6 +7,7 @@ import json
 import math
 import re
 import sys
+import tomllib
 from pathlib import Path
 
 import gymnasium as gym
@@ -21,7 +22,7 @@ from sjasim import cli
 from sjasim.answers import Brief, Intention
 from sjasim.anticipation import method
 from sjasim.choreography.timetable import timetable
-from sjasim.config import SessionConfig
+from sjasim.config import FAULTS, SessionConfig
 from sjasim.config_io import from_plain, to_plain
 from sjasim.errors import SjasimError
 from sjasim.people import people
@@ -67,6 +68,16 @@ def test_the_readme_names_files_and_figures_that_exist():
         assert (ROOT / path).exists() or path == "docs/overview.png", path
     for block in re.findall(r"```json\n(.*?)```", text, re.S):
         json.loads(block)
+
+
+def test_the_readmes_settings_and_dance_are_understood():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (settings,) = re.findall(r"```toml\n(.*?)```", text, re.S)
+    assert [fault.kind for fault in from_plain(tomllib.loads(settings)).faults] == ["clock_jump", "dancer_late"]
+    assert all(f"`{kind}`" in text or f'"{kind}"' in text for kind in FAULTS)
+    (code,) = [block for block in re.findall(r"```python\n(.*?)```", text, re.S) if "Choreography" in block]
+    exec(code, found := {})
+    assert [step.kind.value for step in found["there_and_back"]().steps()][-2:] == ["stop_backward", "clap"]
 
 
 def test_the_page_of_the_environments_names_what_they_have():
