@@ -5,9 +5,11 @@ from __future__ import annotations
 import contextlib
 import io
 import re
+import signal
 import sys
+import threading
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 import tyro
@@ -19,6 +21,12 @@ from .errors import HookError, SjasimError
 T = TypeVar("T")
 
 DONE, BAD_INPUT, INTERRUPTED = 0, 2, 130
+
+JARGON = {
+    r"Error parsing (--\S+): invalid literal for int\(\) with base 10: ": r"\1 is to be a whole number, not ",
+    r"Error parsing (--\S+): could not convert string to float: ": r"\1 is to be a number, not ",
+}
+"""What Python says of words that are no numbers, and what a user understands."""
 
 
 class UsageError(SjasimError):
@@ -37,7 +45,8 @@ def main(command: Callable[[Sequence[str]], None], arguments: Sequence[str] | No
         failed), 130 on Ctrl-C.
     """
     try:
-        command(list(sys.argv[1:] if arguments is None else arguments))
+        with terminable():
+            command(list(sys.argv[1:] if arguments is None else arguments))
     except SjasimError as error:
         sys.stderr.write(f"error: {' '.join(str(error).split())}\n")
         if isinstance(error, HookError):
@@ -47,6 +56,23 @@ def main(command: Callable[[Sequence[str]], None], arguments: Sequence[str] | No
         sys.stderr.write("interrupted\n")
         return INTERRUPTED
     return DONE
+
+
+@contextlib.contextmanager
+def terminable() -> Iterator[None]:
+    """While this lasts a request to end (SIGTERM) ends the process tidily: drafts of files and folders are removed."""
+
+    def leave(number: int, frame: object) -> None:
+        raise SystemExit(128 + number)
+
+    plain = threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+    if plain:
+        signal.signal(signal.SIGTERM, leave)
+    try:
+        yield
+    finally:
+        if plain:
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def parse(options: type[T], arguments: Sequence[str], default: T | None, program: str, about: str) -> T:
@@ -101,4 +127,6 @@ def _one_line(text: str) -> str:
     words = " ".join(re.sub(r"[─│╰╯]+|-{5,}", " ", line) for line in lines if "--help" not in line).split()
     said = " ".join(words).partition(" Argument helptext:")[0]
     said = re.sub(r" Perhaps you meant: (--\S+).*", r"; perhaps you meant \1", said)
+    for jargon, plain in JARGON.items():
+        said = re.sub(jargon, plain, said)
     return said or "these arguments are not understood"

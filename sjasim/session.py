@@ -14,7 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 from .answers import Brief
 from .anticipation.hooks import Hooks
-from .anticipation.method import Method, build
+from .anticipation.method import HUMANS_ONLY, Method, build
 from .choreography.layout import layout
 from .choreography.timetable import timetable
 from .clock import stream
@@ -37,8 +37,6 @@ from .types import (
 )
 from .worlds import Inward, Outward, PhysicsWorld
 
-HUMANS_ONLY = "none"
-"""The method of a session without a robot."""
 _PACKAGES = ("sjasim", "mujoco", "numpy", "scipy", "numba", "gymnasium", "rerun-sdk", "dm-control", "pyarrow")
 
 

@@ -37,9 +37,12 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from ..answers import Answer, Brief
-from ..errors import ConfigError, HookError, PluginError, SjasimError
+from ..errors import ConfigError, HookError, PluginError, SjasimError, UnknownNameError
 from ..registry import resolve
 from ..types import Event
+
+HUMANS_ONLY = "none"
+"""What stands in a method's place in a session without a robot."""
 
 
 @runtime_checkable
@@ -89,7 +92,10 @@ def build(name: str, options: Mapping[str, float | int | bool | str] | None = No
         PluginError: the object lacks one of the contract's methods, or something cannot be called as it has to be.
         HookError: the object's own code failed.
     """
-    entry = resolve("anticipation", name)
+    try:
+        entry = resolve("anticipation", name)
+    except UnknownNameError as error:
+        raise UnknownNameError("anticipation", name, (*error.known, HUMANS_ONLY)) from None
     given = dict(options or {})
     if entry.config is None:
         if given:

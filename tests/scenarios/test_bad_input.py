@@ -8,7 +8,7 @@ from sjasim import cli, run
 
 BAD = {
     "unknown method": (["--method", "sai"], "sia"),
-    "unknown people": (["--humans", "tired"], "paper-entrainment"),
+    "unknown people": (["--humans", "tired"], "FILE.toml, replay:FILE, or module:Class"),
     "unknown sensing": (["--sensing", "sonar"], "joints"),
     "unknown dance": (["--dance.name", "tango"], "paper"),
     "negative time": (["--dance.tail-s", "-3"], "dance.tail_s"),
