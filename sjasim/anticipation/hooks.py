@@ -56,7 +56,7 @@ class Hooks:
             HookError: the method's own code failed.
         """
         answers = self._call(hook, told_s, given)
-        if answers == () and type(answers) is tuple:
+        if type(answers) is tuple and not answers:
             return ()
         if isinstance(answers, str | bytes) or not isinstance(answers, Sequence):
             raise PluginError(f"{self._name}.{hook} returned {shortened(answers)}; {WANTED}")
