@@ -126,14 +126,19 @@ def _options(name: str, config: type, given: Mapping[str, object]) -> object:
     ]
     if missing:
         raise ConfigError("method_options", dict(given), f"{name!r} needs {', '.join(missing)}")
-    return config(**given)
+    return _guarded(name, lambda: config(**given))
 
 
 def _made(name: str, factory: Callable[..., object], *options: object) -> object:
-    """A new method; what its own code raises is told apart from a call that cannot be."""
+    """A new method."""
     _check_call(name, factory, ("config",) if options else ())
+    return _guarded(name, lambda: factory(*options))
+
+
+def _guarded(name: str, make: Callable[[], object]) -> object:
+    """What the user's own code makes, or an error that names it and has the code's own as its cause."""
     try:
-        return factory(*options)
+        return make()
     except SjasimError:
         raise
     except Exception as error:

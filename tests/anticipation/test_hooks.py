@@ -102,6 +102,10 @@ def test_who_is_followed_is_a_tuple_of_names(mine):
 class Options:
     gain: float
 
+    def __post_init__(self):
+        if self.gain < 0:
+            raise ValueError("too little")
+
 
 class Gainful(Mine):
     config_type = Options
@@ -140,6 +144,7 @@ def module(monkeypatch):
         ("NoDataclass", {}, PluginError, "config_type.*is not a dataclass"),
         ("Gainful", {}, ConfigError, "needs gain"),
         ("Gainful", {"gain": 0}, HookError, "my:Gainful cannot be made: ZeroDivisionError"),
+        ("Gainful", {"gain": -1}, HookError, "my:Gainful cannot be made: ValueError: too little"),
     ],
 )
 def test_what_cannot_be_made_or_called_is_named(module, name, options, error, says):
