@@ -93,13 +93,13 @@ def install(python: str) -> None:
     chosen = python or sys.executable
     check_python(chosen)
     say("sjasim: first use here, or the project's dependencies changed.")
-    say(f"sjasim: installing into {VENV} (about 1.2 GB; a minute or two, less with uv). Nothing outside is touched.")
+    say(f"sjasim: installing into {VENV} (about 1.7 GB; a minute or two, less with uv). Nothing outside is touched.")
     uv = shutil.which("uv")
     if not usable(uv) or not python_matches(known, python):
         make_venv(chosen, uv)
     STAMP.unlink() if STAMP.exists() else None
     installer = [uv, "pip", "install", "--python", str(PYTHON)] if uv else [str(PYTHON), "-m", "pip", "install"]
-    # No byte-compiling of 1.2 GB beforehand: Python compiles what is used when it is used.
+    # No byte-compiling of 1.7 GB beforehand: Python compiles what is used when it is used.
     quiet = ["--quiet"] if uv else ["--quiet", "--no-compile", "--disable-pip-version-check"]
     target = ["-e", f"{ROOT}[test,dev,plots,video,train]", "-c", str(ROOT / "constraints.txt")]
     call([*installer, *quiet, *target], "the installation failed (see above); the same command tries again")

@@ -50,6 +50,7 @@ class Options:
         hold: how much more than others the network wants the move in force before it has learnt anything.
         checkpoint: updates between two checkpoints.
         resume: folder to go on from.
+        overwrite: replace an earlier policy and its checkpoints in the folder.
     """
 
     minutes: float = 10.0
@@ -63,6 +64,7 @@ class Options:
     hold: float = 2.0
     checkpoint: int = 10
     resume: Path | None = None
+    overwrite: bool = False
 
     def __post_init__(self) -> None:
         for name in ("minutes", "envs", "iterations", "step_hz", "rollout", "learning_rate", "checkpoint"):
@@ -161,8 +163,17 @@ def save(model: PPO, options: Options, name: str = "policy") -> None:
     np.savez(options.out / f"{name}.npz", **arrays)
 
 
+def check_out(options: Options) -> None:
+    """Leave with 2 if an earlier policy would be replaced unasked."""
+    held = sorted([*options.out.glob("policy*"), *options.out.glob("checkpoint-*")])
+    if held and not options.overwrite:
+        sys.stderr.write(f"error: {held[0]} exists: name another folder, or allow it with --overwrite\n")
+        raise SystemExit(2)
+
+
 def main(options: Options) -> None:
     """Train until the time is over."""
+    check_out(options)
     torch.set_num_threads(1)
     makers = [lambda: Monitor(make(options))] * options.envs
     raw = SubprocVecEnv(makers) if options.envs > 1 else DummyVecEnv(makers)

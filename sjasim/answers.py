@@ -94,7 +94,7 @@ class Withdrawal:
 
 @dataclass(frozen=True, slots=True)
 class Wake:
-    """A method's answer: call ``on_wake(t_s)`` at this session time."""
+    """A method's answer: call ``on_wake(t_s)`` at this session time, which must lie in the future."""
 
     t_s: float
 

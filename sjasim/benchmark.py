@@ -20,14 +20,16 @@ from .config import SessionConfig
 
 ABOUT = "What a session, a depth frame and an environment's step cost to compute, on this machine."
 
-FIGURES = (
-    "raw_physics_sim_s_per_cpu_s", "session_sim_s_per_cpu_s_joints", "session_cost_ratio_joints",
-    "session_sim_s_per_cpu_s_depth", "depth_frame_cpu_s", "planning_cpu_s", "stabiliser_tick_cpu_s",
-    "env_steps_per_s", "env_ratio_to_raw", "async2_speedup", "timing_session_cpu_s", "timing_env_steps_per_s",
-    "decision_cpu_s", "logging_share", "import_s", "peak_mb",
-)  # fmt: skip
-"""Every figure, in the order of the report."""
+UNITS = {
+    "raw_physics_sim_s_per_cpu_s": "s/s", "session_sim_s_per_cpu_s_joints": "s/s", "session_cost_ratio_joints": "",
+    "session_sim_s_per_cpu_s_depth": "s/s", "depth_frame_cpu_s": "s", "planning_cpu_s": "s per simulated s",
+    "stabiliser_tick_cpu_s": "s", "env_steps_per_s": "1/s", "env_ratio_to_raw": "", "async2_speedup": "",
+    "timing_session_cpu_s": "s", "timing_env_steps_per_s": "1/s", "decision_cpu_s": "s", "logging_share": "",
+    "import_s": "s", "peak_mb": "MB",
+}  # fmt: skip
+"""Every figure, in the order of the report, and its unit."""
 
+FIGURES = tuple(UNITS)
 PACKAGES = ("sjasim", "numpy", "scipy", "mujoco", "gymnasium", "numba", "rerun-sdk")
 FRAME_HZ = 30
 
@@ -140,13 +142,15 @@ def versions() -> dict[str, str | None]:
 
 
 def show(report: Mapping[str, Any], console: Console) -> None:
-    """Print the figures for people."""
+    """Print the figures for people; those that nothing has been measured for are left out."""
     table = Table(title=f"{report['machine']['processor']}, {report['machine']['cores']} cores")
     table.add_column("figure")
     table.add_column("value", justify="right")
-    rooms = {f"{room} [ms per 30 Hz tick]": value for room, value in report["room_ms_per_frame"].items()}
-    for name, value in {**report["figures"], **rooms}.items():
-        table.add_row(name, "-" if value is None else f"{value:.4g}")
+    table.add_column("unit")
+    rooms = [(room, value, "ms per 30 Hz tick") for room, value in report["room_ms_per_frame"].items()]
+    for name, value, unit in [*((name, value, UNITS[name]) for name, value in report["figures"].items()), *rooms]:
+        if value is not None:
+            table.add_row(name, f"{value:.4g}", unit)
     console.print(table)
 
 

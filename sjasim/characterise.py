@@ -30,8 +30,9 @@ class Options:
     """Report card of detectors and robot.
 
     Attributes:
-        session: what every session has in common; its seed is the first one's.
-        sessions: how many seeds, for each layout and sensing route.
+        session: what every session has in common; its seed is the first one's, its layout and sensing are not used.
+        sessions: how many seeds: each is danced once with every layout on every sensing route, so that 3 seeds of 2
+            layouts on 2 routes are 12 sessions.
         layouts: where people stand.
         sensings: where skeletons come from.
         out: folder for characterise.json and a page to read; new or empty.
@@ -61,8 +62,11 @@ class Options:
             if not values or len(set(values)) < len(values):
                 raise ConfigError(name, values, "one or more different names")
         seeds = range(self.session.seed, self.session.seed + self.sessions)
+        room = self.session.room
+        own = "custom" in self.layouts  # which alone has the room's slots; without it they are refused
+        rooms = {name: replace(room, slots_m=()) if own and name != "custom" else room for name in self.layouts}
         return [
-            replace(self.session, sensing=sensing, layout=layout, seed=seed)
+            replace(self.session, sensing=sensing, layout=layout, seed=seed, room=rooms[layout])
             for sensing, layout, seed in itertools.product(self.sensings, self.layouts, seeds)
         ]
 
@@ -70,6 +74,7 @@ class Options:
 def command(arguments: Sequence[str]) -> None:
     """Parse, check, dance, judge, keep, show."""
     options = cli.parse(Options, arguments, Options(cli.config_from(arguments)), "python -m sjasim.characterise", ABOUT)
+    check_common(options.session, arguments)
     designs = options.designs()
     for design in designs:
         check(design)
@@ -78,11 +83,24 @@ def command(arguments: Sequence[str]) -> None:
     card = characterise(designs)
     text = json.dumps(card, indent=1, allow_nan=False) + "\n"
     if options.out is not None:
-        with whole(check_target(options.out, options.overwrite, holds=FILE)) as draft:
+        with whole(check_target(options.out, options.overwrite, holds=FILE), options.overwrite) as draft:
             (draft / FILE).write_text(text, encoding="utf-8")
             (draft / PAGE).write_text(page(card), encoding="utf-8")
         sys.stderr.write(f"kept in {options.out}\n")
     sys.stdout.write(text if options.json else page(card))
+
+
+def check_common(session: SessionConfig, arguments: Sequence[str]) -> None:
+    """Refuse a layout or sensing of one session where those of all are named by other options.
+
+    Raises:
+        ConfigError: one is given on the command line or in the configuration file.
+    """
+    for name in ("layout", "sensing"):
+        value = getattr(session, name)
+        given = any(word.partition("=")[0] == f"--{name}" for word in arguments)
+        if given or value != getattr(SessionConfig(), name):
+            raise ConfigError(name, value, f"here --{name}s names those of all sessions")
 
 
 def check(design: SessionConfig) -> None:
@@ -111,7 +129,8 @@ def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:
     with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("dancing", total=float(len(designs)))
         for index, design in enumerate(designs):
-            progress.update(task, description=f"{design.sensing}, {design.layout}, seed {design.seed}")
+            which = f"session {index + 1} of {len(designs)}: {design.sensing}, {design.layout}, seed {design.seed}"
+            progress.update(task, description=which)
 
             def report(share: float, begun: int = index) -> None:
                 progress.update(task, completed=begun + share)

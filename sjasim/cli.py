@@ -5,19 +5,28 @@ from __future__ import annotations
 import contextlib
 import io
 import re
+import signal
 import sys
-from collections.abc import Callable, Sequence
+import threading
+import traceback
+from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 import tyro
 
 from .config import SessionConfig
 from .config_io import read_toml
-from .errors import SjasimError
+from .errors import HookError, SjasimError
 
 T = TypeVar("T")
 
 DONE, BAD_INPUT, INTERRUPTED = 0, 2, 130
+
+JARGON = {
+    r"Error parsing (--\S+): invalid literal for int\(\) with base 10: ": r"\1 is to be a whole number, not ",
+    r"Error parsing (--\S+): could not convert string to float: ": r"\1 is to be a number, not ",
+}
+"""What Python says of words that are no numbers, and what a user understands."""
 
 
 class UsageError(SjasimError):
@@ -32,17 +41,38 @@ def main(command: Callable[[Sequence[str]], None], arguments: Sequence[str] | No
         arguments: the command line without the program's name; that of the process if None.
 
     Returns:
-        0 when done, 2 after one line on stderr when the input was bad, 130 on Ctrl-C.
+        0 when done, 2 after one line on stderr when the input was bad (and the traceback of a user's own code that
+        failed), 130 on Ctrl-C.
     """
     try:
-        command(list(sys.argv[1:] if arguments is None else arguments))
+        with terminable():
+            command(list(sys.argv[1:] if arguments is None else arguments))
     except SjasimError as error:
         sys.stderr.write(f"error: {' '.join(str(error).split())}\n")
+        if isinstance(error, HookError):
+            traceback.print_exception(error.__cause__, file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
         sys.stderr.write("interrupted\n")
         return INTERRUPTED
     return DONE
+
+
+@contextlib.contextmanager
+def terminable() -> Iterator[None]:
+    """While this lasts a request to end (SIGTERM) ends the process tidily: drafts of files and folders are removed."""
+
+    def leave(number: int, frame: object) -> None:
+        raise SystemExit(128 + number)
+
+    plain = threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+    if plain:
+        signal.signal(signal.SIGTERM, leave)
+    try:
+        yield
+    finally:
+        if plain:
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def parse(options: type[T], arguments: Sequence[str], default: T | None, program: str, about: str) -> T:
@@ -97,4 +127,6 @@ def _one_line(text: str) -> str:
     words = " ".join(re.sub(r"[─│╰╯]+|-{5,}", " ", line) for line in lines if "--help" not in line).split()
     said = " ".join(words).partition(" Argument helptext:")[0]
     said = re.sub(r" Perhaps you meant: (--\S+).*", r"; perhaps you meant \1", said)
+    for jargon, plain in JARGON.items():
+        said = re.sub(jargon, plain, said)
     return said or "these arguments are not understood"

@@ -37,5 +37,9 @@ class PluginError(SjasimError):
     """A plug-in was found but does not keep its contract."""
 
 
+class HookError(PluginError):
+    """A plug-in's own code failed; its exception is the cause, and command lines print its traceback too."""
+
+
 class RecordError(SjasimError):
     """A session's folder cannot be written or read."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
@@ -106,9 +107,11 @@ def resolve(kind: str, name: str) -> Entry:
 def _resolve_outside(kind: str, name: str) -> Entry:
     module_name, _, attribute = name.partition(":")
     try:
-        item = getattr(importlib.import_module(module_name), attribute)
-    except ImportError as error:
-        raise PluginError(f"{kind} {name!r}: cannot import {module_name!r} ({error})") from error
+        module = importlib.import_module(module_name)
+    except Exception as error:
+        raise PluginError(f"{kind} {name!r}: cannot import {module_name!r} ({_reason(error)})") from error
+    try:
+        item = getattr(module, attribute)
     except AttributeError as error:
         raise PluginError(f"{kind} {name!r}: module {module_name!r} has no {attribute!r}") from error
     for entry in _ENTRIES[kind].values():
@@ -117,6 +120,15 @@ def _resolve_outside(kind: str, name: str) -> Entry:
     if not callable(item):
         raise PluginError(f"{kind} {name!r} is not a class or function")
     return Entry(name, item, getattr(item, "config_type", None))
+
+
+def _reason(error: Exception) -> str:
+    """Why a module cannot be imported, with the line of its own that is to blame."""
+    if isinstance(error, SyntaxError):
+        return str(error)
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if "importlib" not in frame.filename]
+    where = f" at {frames[-1].filename}, line {frames[-1].lineno}" if frames[1:] else ""
+    return f"{type(error).__name__}: {error}{where}"
 
 
 def _load_room(kind: str) -> None:

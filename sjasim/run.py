@@ -13,15 +13,16 @@ from typing import Annotated, Any
 import tyro
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from . import cli
 from .anticipation import method
 from .config import SessionConfig
+from .config_io import to_plain
 from .errors import ConfigError
 from .logs import SessionLog
 from .record.insight import Insight
+from .signs import signs_of_life
 
 ABOUT = "One dance session: dancers, sensors, server, robot; its figures as a table."
 
@@ -61,7 +62,7 @@ def command(arguments: Sequence[str]) -> None:
     options = cli.parse(Options, arguments, base, "python -m sjasim.run", ABOUT)
     options = trained(options)
     config = options.session
-    if config.method != "none":
+    if config.method != method.HUMANS_ONLY:
         method.build(config.method, config.method_options)
     check(options)
     with contextlib.ExitStack() as watching:
@@ -107,6 +108,8 @@ def check(options: Options) -> None:
         from .film import check_writer
         from .view import check_file
 
+        if options.video.suffix != ".mp4":
+            raise ConfigError("video", str(options.video), "a file whose name ends in .mp4")
         check_writer()
         check_file(options.video, options.overwrite)
     if options.plots is not None:
@@ -208,47 +211,43 @@ def shown(summary: Mapping[str, Any], options: Options) -> None:
 
 
 def dance(config: SessionConfig, audience: Audience | None = None) -> SessionLog:
-    """Run the session with a progress bar on stderr; it appears once there is something to dance, or to compile."""
+    """Run the session, and say on stderr how far it is."""
     from .compiling import told
     from .session import run_session
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
-    progress = Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True)
+    watched = {} if audience is None else {"prepare": audience.prepare}
     dancing = f"dancing ({config.method}, {config.sensing} sensing, seed {config.seed})"
-    task = progress.add_task(dancing, total=1.0)
-
-    def compiling(begun: int) -> None:
-        if progress.console.is_terminal:
-            progress.start()
-        progress.update(task, description=f"compiling for this machine, the first time only ({begun} functions)")
-
-    def report(share: float) -> None:
-        progress.start()
-        progress.update(task, completed=share, description=dancing)
-
-    try:
-        watched = {} if audience is None else {"prepare": audience.prepare}
-        with told(compiling):
-            return run_session(config, report, **watched)
-    finally:
-        if progress.live.is_started:
-            progress.stop()
+    with signs_of_life(dancing) as signs, told(signs.compiling):
+        return run_session(config, signs.dancing, **watched)
 
 
 def show(summary: Mapping[str, Any], console: Console) -> None:
     """Print a session's figures for people: a table by iteration, then a line for each part's work."""
-    table = Table(title=escape(f"{summary['method']}, seed {summary['seed']}, {summary['humans']} dancers"))
+    alone = summary["method"] == method.HUMANS_ONLY
+    table = Table(title=escape(title(summary)))
     for name in ("iteration", "GSI", "GSI, full edges", "GSI, true onsets", "MSP", "TA [s]", "missed"):
         table.add_column(escape(name), justify="right")  # [s] is a unit, not a style
     for row in summary["iterations"]:
         indices = (_number(row[key]) for key in ("gsi", "gsi_full_edges", "gsi_truth"))
-        table.add_row(str(row["index"]), *indices, row["msp"], _number(row["ta_mean_s"], 2), str(row["robot_missed"]))
+        missed = "-" if alone else str(row["robot_missed"])
+        table.add_row(str(row["index"]), *indices, row["msp"], _number(row["ta_mean_s"], 2), missed)
     table.add_section()
     indices = (_number(summary[key]) for key in ("gsi", "gsi_full_edges", "gsi_truth"))
-    table.add_row("mean", *indices, "", _number(summary["ta_mean_s"], 2), str(summary["robot"]["missed"]))
+    missed = "-" if alone else f"{summary['robot']['missed']} in all"
+    table.add_row("mean", *indices, "", _number(summary["ta_mean_s"], 2), missed)
     console.print(table)
     for line in remarks(summary):
         console.print(line, markup=False, highlight=False)
+
+
+def title(summary: Mapping[str, Any]) -> str:
+    """Method, seed, people, and what else a session has of its own."""
+    config, usual = summary["config"], to_plain(SessionConfig())
+    parts = [summary["method"], f"seed {summary['seed']}", f"{summary['humans']} dancers"]
+    if config["dance"]["name"] != SessionConfig().dance.name:
+        parts.append(config["dance"]["name"])
+    own = (name for name in ("sensing", "layout", "group") if config[name] != usual[name])
+    return ", ".join([*parts, *(f"{name} {config[name]}" for name in own)])
 
 
 def remarks(summary: Mapping[str, Any]) -> list[str]:

@@ -12,8 +12,9 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
-from .answers import Answer, Brief
-from .anticipation.method import Follower, Method, build
+from .answers import Brief
+from .anticipation.hooks import Hooks
+from .anticipation.method import HUMANS_ONLY, Method, build
 from .choreography.layout import layout
 from .choreography.timetable import timetable
 from .clock import stream
@@ -36,8 +37,6 @@ from .types import (
 )
 from .worlds import Inward, Outward, PhysicsWorld
 
-HUMANS_ONLY = "none"
-"""The method of a session without a robot."""
 _PACKAGES = ("sjasim", "mujoco", "numpy", "scipy", "numba", "gymnasium", "rerun-sdk", "dm-control", "pyarrow")
 
 
@@ -65,12 +64,13 @@ class Session:
         self.method: Method | None = None
         if robot:
             self.method = method or build(config.method, config.method_options)
+        self._hooks = None if self.method is None else Hooks(config.method, self.method)
         self.brief = _brief(self)
         self.server = Server(self.timetable, self.layout, config)
         self.dispatcher = Dispatcher(self.brief, self.timetable, self.layout, config.robot, config.network.heartbeat_hz)
         self.world = PhysicsWorld(config, self.timetable, self.layout, robot=robot)
-        if self.method is not None:
-            self.method.reset(self.brief, stream(config.seed, "anticipation", config.method))
+        if self._hooks is not None:
+            self._hooks.reset(self.brief, stream(config.seed, "anticipation", config.method))
         self._open_links([mount.name for mount in self.layout.mounts])
         self._boundaries = _boundaries(self)
         self._circle = self._ups, self._downs, self.server, self.dispatcher, self._boundaries
@@ -150,30 +150,29 @@ class Session:
     def _tell(self, t_arrival_s: float, message: DeviceEvent | ClientStatus | SyncReply) -> None:
         for event in self.server.receive(t_arrival_s, message):
             self.events.append(event)
-            if self.method is not None:
-                self._answer(t_arrival_s, self.method.on_event(event))
+            self._ask(t_arrival_s, "on_event", t_arrival_s, event)
 
-    def _answer(self, now: float, answers: Sequence[Answer]) -> None:
-        self.dispatcher.answer(now, answers)
+    def _ask(self, now: float, hook: str, told_s: float, *given: object) -> None:
+        """Tell the method of something, and the dispatcher its answers; ``told_s`` is when it says that it happened."""
+        if self._hooks is not None and (answers := self._hooks.ask(hook, told_s, given)):
+            self.dispatcher.answer(now, answers)
 
     def _conduct(self, now: float) -> None:
         """Boundaries, timers and everything the server has to send."""
         while self._boundaries[0][0] <= now:
             t_s, iteration, starts = self._boundaries.popleft()
-            if self.method is not None:
-                hook = self.method.on_iteration_start if starts else self.method.on_iteration_end
-                self._answer(now, hook(iteration, t_s))
-                if starts and isinstance(self.method, Follower):
-                    persons = self.method.follows(iteration)
-                    self.followed += [Followed(iteration, name) for name in _or_nobody(persons)]
+            self._ask(now, "on_iteration_start" if starts else "on_iteration_end", t_s, iteration, t_s)
+            if starts and self._hooks is not None:
+                persons = self._hooks.follows(iteration, t_s)
+                self.followed += [Followed(iteration, name) for name in _or_nobody(persons)]
         if self.server.next_due_s <= now:
-            if self.method is not None:
+            if self._hooks is not None:
                 self.dispatcher.listen(now)
             for order in self.server.due(now):
                 self._down[order.sensor].send(now, order)
-        if self.method is not None and self.dispatcher.next_due_s <= now:
+        if self._hooks is not None and self.dispatcher.next_due_s <= now:
             for wake_s in self.dispatcher.wakes_due(now):
-                self._answer(now, self.method.on_wake(wake_s))
+                self._ask(now, "on_wake", wake_s, wake_s)
             for command in self.dispatcher.due(now):
                 if not self.commands or command.number != self.commands[-1].number:
                     self.commands.append(command)

@@ -5,16 +5,17 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import tyro
 
 from . import cli
 from .choreography.timetable import timetable
 from .config_io import from_plain
-from .errors import RecordError
+from .errors import ConfigError, RecordError
 
 ABOUT = "Open a session's folder in rerun's viewer; two folders stand side by side on one time axis."
 
@@ -47,8 +48,7 @@ def command(arguments: Sequence[str]) -> None:
     options = cli.parse(Options, arguments, None, "python -m sjasim.view", ABOUT)
     picture = options.screenshot
     folders = [options.folder, *([options.other] if options.other else [])]
-    for folder in folders:
-        read_summary(folder)
+    check_moment(options, [read_summary(folder) for folder in folders])
     if picture is None:
         check_display("a picture needs none: --screenshot FILE.png")
     else:
@@ -63,6 +63,22 @@ def command(arguments: Sequence[str]) -> None:
         for report in screenshot(recording, picture, moment if options.at is None else options.at):
             sys.stderr.write(f"{report}\n")
         sys.stderr.write(f"picture in {picture}\n")
+
+
+def check_moment(options: Options, summaries: Sequence[Mapping[str, Any]]) -> None:
+    """Make sure that there is something to see at the time asked for.
+
+    Raises:
+        ConfigError: no picture is asked for, or the time is not in any of the sessions.
+    """
+    if options.at is None:
+        return
+    if options.screenshot is None:
+        raise ConfigError("at", options.at, "only with --screenshot FILE.png")
+    configs = [from_plain(summary["config"]) for summary in summaries]
+    end_s = max(timetable(config).end_s() + config.dance.tail_s for config in configs)
+    if not 0.0 <= options.at <= end_s:
+        raise ConfigError("at", options.at, f"a session time from 0 to {end_s:.1f} s")
 
 
 def prepared(folders: Sequence[Path], place: Path) -> tuple[Path, float]:

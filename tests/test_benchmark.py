@@ -1,10 +1,13 @@
 """Benchmark figures: what they are made of, and that one's time is not counted for two."""
 
+import io
+import re
 import time
 
 import pytest
+from rich.console import Console
 
-from sjasim.benchmark import FIGURES, results
+from sjasim.benchmark import FIGURES, results, show
 from sjasim.profiling import Meter
 
 PROFILE = {
@@ -38,6 +41,17 @@ def test_figures_are_ratios_of_what_was_measured():
 def test_what_was_not_measured_is_null():
     figures = results({}, 0.3)["figures"]
     assert {name for name, value in figures.items() if value is not None} == {"import_s"}
+
+
+def test_people_see_units_and_no_empty_figures():
+    report = {"machine": {"processor": "P", "cores": 2}, **results(PROFILE, 0.3)}
+    console = Console(file=io.StringIO(), width=100)
+    show(report, console)
+    said = console.file.getvalue()
+    assert re.search(r"depth_frame_cpu_s +│ +0.015 │ s ", said)
+    assert re.search(r"planning +│ +\S+ │ ms per 30 Hz tick", said)
+    assert "timing_" not in said
+    assert "decision_cpu_s" not in said
 
 
 def test_a_call_inside_anothers_counts_for_the_inner_room_only():

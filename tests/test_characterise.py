@@ -9,6 +9,7 @@ import pytest
 from sjasim import characterise, cli
 from sjasim.analysis import report_card
 from sjasim.analysis.report_card import ALL, BANDS, Execution, Outcome
+from sjasim.config import RoomConfig, SessionConfig
 from sjasim.types import Kind
 
 NAN = math.nan
@@ -87,6 +88,14 @@ def test_a_tiny_run_leaves_numbers_and_a_page(tmp_path, capsys):
     assert str(folder) in said
 
 
+def test_own_slots_are_those_of_the_custom_layout():
+    common = SessionConfig(room=RoomConfig(slots_m=((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))))
+    designs = characterise.Options(common, sessions=2, layouts=("rows", "custom"), sensings=("joints",)).designs()
+    assert [(one.layout, one.seed, len(one.room.slots_m)) for one in designs] == [
+        ("rows", 0, 0), ("rows", 1, 0), ("custom", 0, 4), ("custom", 1, 4),
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -96,6 +105,10 @@ def test_a_tiny_run_leaves_numbers_and_a_page(tmp_path, capsys):
         (("--sensings", "joints", "joints"), "sensings"),
         (("--out", "/proc/nowhere/x"), "cannot be written"),
         (("--sessions", "many"), "many"),
+        (("--sensing", "joints"), "here --sensings names those of all sessions"),
+        (("--sensing=depth",), "--sensings"),
+        (("--layout", "rows"), "here --layouts names those of all sessions"),
+        (("--room.slots-m", "0", "1", "1", "0"), "only with layout custom"),
     ],
 )
 def test_bad_input_is_one_line(capsys, arguments, words):

@@ -56,6 +56,21 @@ def test_what_is_not_there_is_named(outside, name):
         registry.resolve("anticipation", name)
 
 
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("def f(:", r"invalid syntax \(broken_one.py, line 1\)"),
+        ("x = 1\nimport not_installed_here", r"ModuleNotFoundError: .*'not_installed_here' at .*broken_one.py, line 2"),
+        ("x = 1\n\ny = z", r"NameError: .*'z' is not defined at .*broken_one.py, line 3"),
+    ],
+)
+def test_a_module_that_cannot_be_imported_says_where_it_breaks(tmp_path, monkeypatch, text, says):
+    (tmp_path / "broken_one.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(PluginError, match=says):
+        registry.resolve("anticipation", "broken_one:Method")
+
+
 def test_a_name_is_taken_once_and_kinds_are_fixed():
     with pytest.raises(PluginError, match="registered already"):
         registry.register("anticipation", "sia")(dict)

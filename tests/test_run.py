@@ -1,14 +1,16 @@
 """The command line: one table or one JSON, one clear line for bad input, and the exit codes."""
 
+import contextlib
 import json
+import re
 import sys
 import types
 
 import pytest
 
 from sjasim import benchmark, cli, run
-from sjasim.config import SessionConfig
-from sjasim.config_io import from_plain, to_toml
+from sjasim.config import DanceConfig, SessionConfig
+from sjasim.config_io import from_plain, to_plain, to_toml
 
 from .analysis.synthetic import session
 from .anticipation.policies import write
@@ -68,7 +70,47 @@ def test_a_trained_policy_is_named_by_its_file(danced, capsys, tmp_path):
 
 def test_humans_only_shows_no_robot(danced, capsys):
     assert call("--method", "none", "--iterations", "1") == 0
-    assert "robot:" not in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "robot:" not in out
+    assert [line.split("│")[-2].strip() for line in out.splitlines() if line.startswith("│")] == ["-", "-"]
+
+
+def test_the_table_says_which_sum_it_has_and_what_is_unusual(danced, capsys):
+    assert call("--iterations", "2") == 0
+    out = capsys.readouterr().out
+    assert "sia, seed 0, paper-entrainment dancers" in out
+    assert re.search(r"│ +mean .* \d+ in all │", out)
+    usual = {"method": "eca", "seed": 1, "humans": "novices"}
+    config = SessionConfig(sensing="joints", group=5, layout="rows", dance=DanceConfig(name="march"))
+    assert run.title({**usual, "config": to_plain(SessionConfig())}) == "eca, seed 1, novices dancers"
+    assert run.title({**usual, "config": to_plain(config)}) == (
+        "eca, seed 1, novices dancers, march, sensing joints, layout rows, group 5"
+    )
+
+
+@pytest.mark.skipif(sys.platform.startswith("win"), reason="there SIGTERM ends a process whatever it does")
+def test_a_request_to_end_removes_what_is_half_written(danced, monkeypatch, tmp_path):
+    import os
+    import signal
+
+    def asked_to_end(config, progress=None):
+        os.kill(os.getpid(), signal.SIGTERM)
+        signal.pause()
+
+    draft = tmp_path / "draft"
+
+    def command(arguments):
+        with contextlib.ExitStack() as closing:
+            draft.write_text("")
+            closing.callback(draft.unlink)
+            run.command(arguments)
+
+    monkeypatch.setattr(sys.modules["sjasim.session"], "run_session", asked_to_end)
+    with pytest.raises(SystemExit) as end:
+        cli.main(command, [])
+    assert end.value.code == 143
+    assert list(tmp_path.iterdir()) == []
+    assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
 
 
 def test_json_is_all_there_is_and_equals_the_folder(danced, capsys, tmp_path):
@@ -101,8 +143,11 @@ def test_flags_override_the_file(danced, tmp_path, capsys):
         (["--iterations", "-4"], "iterations"),
         (
             ["--iterations", "many"],
-            "error: Error parsing --iterations: invalid literal for int() with base 10: 'many' (see",
+            "error: --iterations is to be a whole number, not 'many' (see",
         ),
+        (["--iterations", "1.5"], "error: --iterations is to be a whole number, not '1.5' (see"),
+        (["--robot.cruise-m-s", "fast"], "error: --robot.cruise-m-s is to be a number, not 'fast' (see"),
+        (["--method", "siaa"], "sia, none, or module:Class"),
         (["--dance.lead-in-s", "-1"], "dance.lead_in_s"),
         (["--bogus", "1"], "--bogus"),
         (["--methode", "sia"], "error: Unrecognized options: --methode, sia; perhaps you meant --method (see"),

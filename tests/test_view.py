@@ -145,6 +145,30 @@ def test_an_earlier_session_is_replaced_only_on_request(log, kept, tmp_path):
         whole.check_target(target, overwrite=True)
 
 
+@pytest.mark.parametrize("at", ["-1", "107", "nan"])
+def test_a_time_outside_the_recording_is_refused(kept, tmp_path, capsys, at):
+    said = refused(capsys, view.command, kept, "--screenshot", tmp_path / "a.png", f"--at={at}")
+    assert f"at = {float(at)} is not allowed: a session time from 0 to " in said
+    assert list(tmp_path.iterdir()) == []
+    assert "only with --screenshot" in refused(capsys, view.command, kept, "--at", 10)
+
+
+@pytest.mark.parametrize(("words", "says"), [("no adapter found", "mesa-vulkan-drivers"), ("bang", "at once: bang")])
+def test_a_viewer_that_dies_after_its_first_answer_says_why(monkeypatch, words, says):
+    import subprocess
+    import sys
+
+    from sjasim.record import viewer
+
+    def dying(headless, size, log):
+        return subprocess.Popen([sys.executable, "-c", f"print({words!r})"], stdout=log), "nowhere"
+
+    monkeypatch.setattr(viewer, "start", dying)
+    monkeypatch.setattr(viewer, "answering", lambda *given: None)
+    with pytest.raises(folder.RecordError, match=says), viewer.running():
+        raise ConnectionError("transport error")
+
+
 @pytest.mark.slow
 @NEEDS_VIEWER
 def test_the_viewer_draws_every_view_without_a_display(kept, tmp_path):

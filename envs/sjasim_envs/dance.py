@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from sjasim.answers import Answer, Brief
 from sjasim.anticipation.features import MOVES
-from sjasim.anticipation.method import build
+from sjasim.anticipation.method import HUMANS_ONLY, build
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
@@ -25,7 +25,7 @@ from sjasim.errors import SjasimError
 from sjasim.humans.body import body_model
 from sjasim.people import people
 from sjasim.render import Renderer
-from sjasim.session import HUMANS_ONLY, Session
+from sjasim.session import Session
 from sjasim.types import (
     Event,
     Move,

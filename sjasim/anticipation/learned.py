@@ -178,7 +178,7 @@ class Learned:
         if self._begun:
             return ()
         self._begun = True
-        return (Wake(t_s),)
+        return self.on_wake(t_s)
 
     def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
         """Nothing to learn any more."""

@@ -6,7 +6,7 @@ of the iterations' beginnings and ends, and of timers it asked for, and answers 
 - `Intention`: send the command for a step at a session time; a later one for the same step replaces it, and a
   time that has passed means at once. Once a command is sent its step is over.
 - `Withdrawal`: do not send that step's command after all.
-- `Wake`: call ``on_wake`` at a session time.
+- `Wake`: call ``on_wake`` at a session time, which must lie in the future.
 
 A method that follows some dancers rather than all of them says whom with `Follower.follows`: the paper's edges of the
 group depend on it, and the net latency. Nothing else is needed: no clock, no polling, no knowledge of links or of the
@@ -29,15 +29,20 @@ sees the truth or the dancers' plan: events and the brief are all there is.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import dataclasses
+import inspect
+from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from ..answers import Answer, Brief
-from ..errors import ConfigError, PluginError
+from ..errors import ConfigError, HookError, PluginError, SjasimError, UnknownNameError
 from ..registry import resolve
 from ..types import Event
+
+HUMANS_ONLY = "none"
+"""What stands in a method's place in a session without a robot."""
 
 
 @runtime_checkable
@@ -84,24 +89,82 @@ def build(name: str, options: Mapping[str, float | int | bool | str] | None = No
     Raises:
         UnknownNameError: nothing is registered under the name.
         ConfigError: an option the method does not have, or a value it does not allow.
-        PluginError: the object lacks one of the contract's methods.
+        PluginError: the object lacks one of the contract's methods, or something cannot be called as it has to be.
+        HookError: the object's own code failed.
     """
-    entry = resolve("anticipation", name)
+    try:
+        entry = resolve("anticipation", name)
+    except UnknownNameError as error:
+        raise UnknownNameError("anticipation", name, (*error.known, HUMANS_ONLY)) from None
     given = dict(options or {})
     if entry.config is None:
         if given:
             raise ConfigError("method_options", given, f"nothing: {name!r} has no options")
-        method = entry.factory()
+        method = _made(name, entry.factory)
     else:
-        fields = tuple(getattr(entry.config, "__dataclass_fields__", {}))
-        unknown = [key for key in given if key not in fields]
-        if unknown:
-            raise ConfigError("method_options", unknown, f"options of {name!r}: {', '.join(fields)}")
-        method = entry.factory(entry.config(**given))
+        method = _made(name, entry.factory, _options(name, entry.config, given))
     if not isinstance(method, Method):
-        missing = [hook for hook in _HOOKS if not callable(getattr(method, hook, None))]
+        missing = [hook for hook in HOOKS if not callable(getattr(method, hook, None))]
         raise PluginError(f"anticipation {name!r} lacks {', '.join(missing)}")
+    for hook, arguments in HOOKS.items():
+        _check_call(f"{name}.{hook}", getattr(method, hook), arguments)
     return method
 
 
-_HOOKS = ("reset", "on_event", "on_iteration_start", "on_iteration_end", "on_wake")
+def _options(name: str, config: type, given: Mapping[str, object]) -> object:
+    """The method's options, of its own dataclass."""
+    if not dataclasses.is_dataclass(config):
+        raise PluginError(f"anticipation {name!r}: its config_type, {config!r}, is not a dataclass")
+    fields = {field.name: field for field in dataclasses.fields(config)}
+    unknown = [key for key in given if key not in fields]
+    if unknown:
+        raise ConfigError("method_options", unknown, f"options of {name!r}: {', '.join(fields)}")
+    missing = [
+        key
+        for key, field in fields.items()
+        if key not in given and field.default is field.default_factory is dataclasses.MISSING
+    ]
+    if missing:
+        raise ConfigError("method_options", dict(given), f"{name!r} needs {', '.join(missing)}")
+    return _guarded(name, lambda: config(**given))
+
+
+def _made(name: str, factory: Callable[..., object], *options: object) -> object:
+    """A new method."""
+    _check_call(name, factory, ("config",) if options else ())
+    return _guarded(name, lambda: factory(*options))
+
+
+def _guarded(name: str, make: Callable[[], object]) -> object:
+    """What the user's own code makes, or an error that names it and has the code's own as its cause."""
+    try:
+        return make()
+    except SjasimError:
+        raise
+    except Exception as error:
+        raise HookError(f"{name} cannot be made: {type(error).__name__}: {error}") from error
+
+
+def _check_call(name: str, function: Callable[..., object], arguments: Sequence[str]) -> None:
+    """Refuse what cannot be called with these arguments, in their order."""
+    try:
+        signature = inspect.signature(function)
+    except ValueError:  # some built-in ones do not tell
+        return
+    try:
+        signature.bind(*arguments)
+    except TypeError as error:
+        raise PluginError(
+            f"{name} is called with ({', '.join(arguments)}), but takes {signature}: {error}"
+            + ("; options come from the class attribute config_type" if not arguments else "")
+        ) from None
+
+
+HOOKS = {
+    "reset": ("brief", "rng"),
+    "on_event": ("event",),
+    "on_iteration_start": ("iteration", "t_s"),
+    "on_iteration_end": ("iteration", "t_s"),
+    "on_wake": ("t_s",),
+}
+"""The contract's methods and their arguments."""

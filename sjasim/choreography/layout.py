@@ -91,6 +91,8 @@ def _slots(name: str, group: int, room: RoomConfig) -> Array:
         if len(room.slots_m) != group + 1:
             raise ConfigError("room.slots_m", room.slots_m, f"{group + 1} slots: the dancers', then the robot's")
         return np.array(room.slots_m, dtype=float)
+    if room.slots_m:
+        raise ConfigError("room.slots_m", room.slots_m, f"only with layout custom; {name} has its own slots")
     if not 1 <= group <= 8:
         raise ConfigError("group", group, "1 to 8 dancers")
     if group > 3:

@@ -29,7 +29,7 @@ class SessionConfig:
             event table or a session's folder, or module:Class.
         fidelity: ``physics``.
         sensing: where skeletons come from: ``depth`` (nothing but simulated depth images) or ``joints`` (the truth,
-            occluded, with errors fitted to those of ``depth``: seven times as fast).
+            occluded, with errors fitted to those of ``depth``: seven to nine times as fast).
         iterations: how many iterations are danced after the rehearsal.
         layout: ``square``, ``rows`` or ``custom``.
         seed: of everything random in the session.

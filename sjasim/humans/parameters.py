@@ -154,7 +154,7 @@ def preset(name: str) -> TimingParameters:
     """
     table = _presets()
     if name not in table:
-        raise UnknownNameError("humans preset", name, tuple(table))
+        raise UnknownNameError("humans preset", name, (*table, "FILE.toml", "replay:FILE"))
     return _parameters(table[name], f"humans.{name}")
 
 

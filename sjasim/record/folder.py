@@ -46,7 +46,7 @@ def write(
         RecordError: the folder cannot be written.
     """
     target = check_target(folder, overwrite)
-    with whole(target) as draft:
+    with whole(target, overwrite) as draft:
         _write_all(log, draft, summary)
         if recording:
             from .rerun import save

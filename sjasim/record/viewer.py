@@ -20,6 +20,9 @@ HERE = "127.0.0.1"
 START_S = 30.0
 """How long the viewer may take to answer."""
 
+END_S = 5.0
+"""How long it may take to end once it answers no more."""
+
 
 def executable() -> Path:
     """The viewer that comes with rerun's package.
@@ -93,7 +96,7 @@ def running(size: str = "1920x1080") -> Iterator[str]:
     """A viewer without a window, for as long as it is needed; gives its address.
 
     Raises:
-        RecordError: it does not start, or has nothing to draw with.
+        RecordError: it does not start, has nothing to draw with, or ends while it is needed.
     """
     import tempfile
 
@@ -102,6 +105,8 @@ def running(size: str = "1920x1080") -> Iterator[str]:
         try:
             answering(process, url, said)
             yield url
+        except ConnectionError as error:  # it may answer once and find only then that it cannot draw
+            raise RecordError(_silence(process, said, error)) from None
         finally:
             process.terminate()
             try:
@@ -124,10 +129,7 @@ def answering(process: subprocess.Popen[bytes], url: str, said: IO[bytes] | None
     deadline = time.monotonic() + START_S
     while time.monotonic() < deadline:
         if process.poll() is not None:
-            if said is None:
-                raise RecordError("rerun's viewer ended at once")
-            said.seek(0)
-            raise RecordError(_reason(said.read().decode(errors="replace")))
+            raise RecordError("rerun's viewer ended at once" if said is None else _reason(said))
         with contextlib.suppress(Exception):
             rr.experimental.ViewerClient.connect(url).get_state()
             return
@@ -135,9 +137,20 @@ def answering(process: subprocess.Popen[bytes], url: str, said: IO[bytes] | None
     raise RecordError(f"rerun's viewer did not answer within {START_S:g} s")
 
 
-def _reason(said: str) -> str:
-    drawing = any(word in said for word in ("render context", "adapter", "Vulkan", "wgpu"))
-    last = next((line.strip() for line in reversed(said.splitlines()) if line.strip()), "no reason given")
+def _silence(process: subprocess.Popen[bytes], said: IO[bytes], error: ConnectionError) -> str:
+    """Why a viewer that has answered does so no more: its own last words if it has ended."""
+    try:
+        process.wait(END_S)
+    except subprocess.TimeoutExpired:
+        return f"rerun's viewer answers no more: {error}"
+    return _reason(said)
+
+
+def _reason(said: IO[bytes]) -> str:
+    said.seek(0)
+    words = said.read().decode(errors="replace")
+    drawing = any(word in words for word in ("render context", "adapter", "Vulkan", "wgpu"))
+    last = next((line.strip() for line in reversed(words.splitlines()) if line.strip()), "no reason given")
     if drawing:
         return (
             "rerun's viewer has nothing to draw with: on Debian and Ubuntu install mesa-vulkan-drivers "

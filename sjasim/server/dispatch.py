@@ -51,6 +51,12 @@ to odometry (.10 m/s); assumed."""
 STEER, STEER_MAX_RAD = 1.0, 0.45
 """Share of a sideways error that the next move is turned to make good, and by how much at most (assumed)."""
 
+METHOD = "method"
+"""Source of the notices of what a method should not have asked for."""
+
+NO_STEP, NO_TIME = "no such step", "no finite time"
+"""Why an answer is ignored that no method should give."""
+
 ORDERED = "ordered from outside the score"
 """Why a command came that no method asked for; the server does not interfere with those."""
 
@@ -101,6 +107,7 @@ class Dispatcher:
         self._state: RobotState | None = None
         self._heard_s = 0.0
         self._alive = True
+        self._noticed: set[str] = set()
         self.next_due_s = math.inf
         """Session time at which `due` or `wakes_due` has something to do; infinite for never."""
         self.decisions: list[Decision] = []
@@ -135,12 +142,12 @@ class Dispatcher:
         """Take in a method's answers, given at session time ``t_s``.
 
         An intention for an unknown step, for one that is sent or behind a sent one, or without a finite time is
-        logged as ``ignored``.
+        logged as ``ignored``; what no method should ask for is noticed too, once for each reason. A timer comes after
+        ``t_s`` at the earliest, so that one that asks for the next cannot hold up the session.
         """
         for item in answers:
             if isinstance(item, Wake):
-                if math.isfinite(item.t_s):
-                    heapq.heappush(self._wakes, max(item.t_s, t_s))
+                heapq.heappush(self._wakes, max(item.t_s, math.nextafter(t_s, math.inf)))
             elif isinstance(item, Withdrawal):
                 self._withdraw(t_s, item)
             else:
@@ -196,9 +203,10 @@ class Dispatcher:
 
     def _intend(self, t_s: float, item: Intention) -> None:
         key = (item.iteration, item.ordinal)
-        refusal = self._refusal(key) or ("" if math.isfinite(item.t_s) else "no finite time")
+        refusal = self._refusal(key) or ("" if math.isfinite(item.t_s) else NO_TIME)
         if refusal:
             self._log(t_s, key, "ignored", item, refusal)
+            self._notice(t_s, key, refusal, f"intention at {item.t_s:g} s")
             return
         action = "replaced" if key in self._pending else "scheduled"
         self._pending[key] = item
@@ -209,12 +217,23 @@ class Dispatcher:
         pending = self._pending.pop(key, None)
         if pending is None:
             self._log(t_s, key, "ignored", Intention(*key, t_s, item.why), "nothing to withdraw")
+            self._notice(t_s, key, self._refusal(key), "withdrawal")
         else:
             self._log(t_s, key, "withdrawn", Intention(*key, pending.t_s, item.why, pending.person))
 
+    def _notice(self, t_s: float, key: Key, refusal: str, what: str) -> None:
+        """Say once for each reason that a method asks for what cannot be; other refusals lie in a dance's nature."""
+        if refusal not in (NO_STEP, NO_TIME) or refusal in self._noticed:
+            return
+        self._noticed.add(refusal)
+        allowed = f"iterations 1 to {self._brief.iterations}, ordinals 0 to {len(self._steps) - 1}"
+        said = f"{what} for iteration {key[0]}, ordinal {key[1]} ignored: {refusal}"
+        said += f" ({allowed})" if refusal == NO_STEP else ""
+        self.notices.append(Notice(t_s, METHOD, f"{said}; further ones only in the decisions"))
+
     def _refusal(self, key: Key) -> str:
         if key[1] not in self._steps or not 1 <= key[0] <= self._brief.iterations:
-            return "no such step"
+            return NO_STEP
         if key in self._sent_s:
             return "already sent"
         return "a later step has been sent" if key < self._last else ""

@@ -34,13 +34,53 @@ def test_a_failure_leaves_what_was_there(tmp_path):
     (tmp_path / "b" / "x").write_text("old")
 
     def fill():
-        with whole.whole(tmp_path / "b") as draft:
+        with whole.whole(tmp_path / "b", overwrite=True) as draft:
             (draft / "x").write_text("new")
             raise OSError(28, "No space left on device")
 
     with pytest.raises(RecordError, match="No space left"):
         fill()
     assert (tmp_path / "b" / "x").read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["b"]
+
+
+@pytest.mark.parametrize("before", [False, True])
+def test_of_two_runs_at_once_the_second_loses_nothing_of_the_first(tmp_path, before):
+    target = tmp_path / "b"
+    if before:
+        target.mkdir()
+
+    def fill():
+        with whole.whole(whole.check_target(target)) as mine:
+            (mine / "x").write_text("second")
+            with whole.whole(whole.check_target(target)) as other:
+                (other / "x").write_text("first")
+
+    with pytest.raises(RecordError, match=r"b has been filled by another run meanwhile: .*--overwrite"):
+        fill()
+    assert (target / "x").read_text() == "first"
+    assert [path.name for path in tmp_path.iterdir()] == ["b"]
+
+
+def test_what_may_be_replaced_stands_until_the_new_one_does(tmp_path, monkeypatch):
+    target = tmp_path / "b"
+    target.mkdir()
+    (target / "x").write_text("old")
+    with whole.whole(target, overwrite=True) as draft:
+        (draft / "x").write_text("new")
+    assert (target / "x").read_text() == "new"
+    real, moves = whole.os.replace, []
+
+    def failing(source, place):
+        moves.append(place)
+        if len(moves) == 2:  # aside; the draft; back
+            raise OSError(5, "Input/output error")
+        real(source, place)
+
+    monkeypatch.setattr(whole.os, "replace", failing)
+    with pytest.raises(RecordError, match="Input/output error"), whole.whole(target, overwrite=True):
+        pass
+    assert (target / "x").read_text() == "new"
     assert [path.name for path in tmp_path.iterdir()] == ["b"]
 
 

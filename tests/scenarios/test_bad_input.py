@@ -8,7 +8,7 @@ from sjasim import cli, run
 
 BAD = {
     "unknown method": (["--method", "sai"], "sia"),
-    "unknown people": (["--humans", "tired"], "paper-entrainment"),
+    "unknown people": (["--humans", "tired"], "FILE.toml, replay:FILE, or module:Class"),
     "unknown sensing": (["--sensing", "sonar"], "joints"),
     "unknown dance": (["--dance.name", "tango"], "paper"),
     "negative time": (["--dance.tail-s", "-3"], "dance.tail_s"),
@@ -20,6 +20,9 @@ BAD = {
     "broken configuration": (["--config", "{here}/broken.toml"], "broken.toml"),
     "a file for a folder": (["--out", "{here}/broken.toml"], "is a file"),
     "a full folder": (["--out", "{here}"], "not empty"),
+    "slots of no layout": (["--room.slots-m", "0", "1", "1", "0", "0", "0", "1", "1"], "only with layout custom"),
+    "a film of another kind": (["--video", "{here}/dance.avi"], "ends in .mp4"),
+    "a film without a kind": (["--video", "{here}/dance"], "ends in .mp4"),
     "no such option": (["--speed", "3"], "--speed"),
 }
 
@@ -64,3 +67,20 @@ def test_an_unwritable_folder_is_found_before_the_dance(tmp_path, capfd):
     finally:
         tmp_path.chmod(0o700)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_error_in_a_users_own_hook_keeps_its_traceback(tmp_path, monkeypatch, capfd):
+    hooks = "".join(f"    def {name}(self, *given): return ()\n" for name in ("reset", "on_event", "on_wake"))
+    hooks += (
+        "    def on_iteration_start(self, iteration, t_s): return 1 / 0\n    def on_iteration_end(self, *given): pass\n"
+    )
+    (tmp_path / "of_mine.py").write_text(f"class Broken:\n{hooks}")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert cli.main(run.command, ["--method", "of_mine:Broken", "--sensing", "joints", "--iterations", "1"]) == 2
+    first, *rest = [line for line in capfd.readouterr().err.splitlines() if line]
+    assert first.startswith(
+        "error: of_mine:Broken.on_iteration_start failed at session time 4.000 s: ZeroDivisionError"
+    )
+    assert rest[0].startswith("Traceback")
+    assert any("of_mine.py" in line for line in rest)
+    assert rest[-1].startswith("ZeroDivisionError")

@@ -97,15 +97,32 @@ def test_a_withdrawal_takes_a_pending_step_back(dispatcher):
 def test_nonsense_is_ignored_and_logged(dispatcher):
     wrong = [Intention(0, 0, 1.0, "rehearsal"), Intention(1, 99, 1.0, ""), Intention(5, 0, 1.0, ""),
              Intention(1, 0, math.nan, "")]  # fmt: skip
-    dispatcher.answer(0.0, [*wrong, Wake(math.nan)])
-    assert actions(dispatcher) == ["ignored"] * 4
+    dispatcher.answer(0.0, [*wrong, Withdrawal(1, 77, "")])
+    assert actions(dispatcher) == ["ignored"] * 5
     assert dispatcher.next_due_s == math.inf
+
+
+def test_what_no_method_should_ask_for_is_noticed_once_for_each_reason(dispatcher):
+    for _ in range(100):
+        dispatcher.answer(2.0, [Intention(1, 99, 5.0, "far"), Intention(1, 0, math.inf, "never")])
+    step, time = dispatcher.notices
+    assert (step.t_s, step.source) == (2.0, "method")
+    assert "iteration 1, ordinal 99 ignored: no such step (iterations 1 to 4, ordinals 0 to 8)" in step.what
+    assert "intention at inf s for iteration 1, ordinal 0 ignored: no finite time" in time.what
+    assert actions(dispatcher) == ["ignored"] * 200
+
+
+def test_a_step_that_is_over_is_no_notice(dispatcher):
+    dispatcher.answer(0.0, [Intention(1, 1, 0.0, "")])
+    dispatcher.due(0.0)
+    dispatcher.answer(1.0, [Intention(1, 1, 2.0, ""), Intention(1, 0, 2.0, ""), Withdrawal(1, 1, "")])
+    assert dispatcher.notices == []
 
 
 def test_wakes_come_in_order_and_once(dispatcher):
     dispatcher.answer(1.0, [Wake(5.0), Wake(3.0), Wake(0.5)])
-    assert dispatcher.next_due_s == 1.0
-    assert dispatcher.wakes_due(3.0) == [1.0, 3.0]
+    assert 1.0 < dispatcher.next_due_s < 1.0 + 1e-9  # at the next instant: a session goes on whatever a method asks
+    assert dispatcher.wakes_due(3.0) == [math.nextafter(1.0, 2.0), 3.0]
     assert dispatcher.wakes_due(3.0) == []
     assert dispatcher.next_due_s == 5.0
 
