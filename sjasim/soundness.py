@@ -108,9 +108,9 @@ def _missing(known: BoolArray, state: Array) -> list[str]:
     ):
         share = 1.0 - float(there.mean())
         if share == 1.0:
-            said.append(f"no {lost} can be found: none of {len(there)} frames has {name}")
+            said.append(f"no {lost} can be found: none of {len(known)} frames has {name}")
         elif share > 0.0:
-            said.append(f"{share:.1%} of {len(there)} frames lack {name}: {lost} in them are missed")
+            said.append(f"{share:.1%} of {len(known)} frames lack {name}: {lost} in them are missed")
     return said
 
 
@@ -134,5 +134,4 @@ def _astray(own: Array) -> list[str]:
 
 def _seen(points: Array) -> Array:
     """Those of (F, 3) points that are known."""
-    known: BoolArray = np.isfinite(points).all(axis=1)
-    return points[known]
+    return np.asarray(points[np.isfinite(points).all(axis=1)])
