@@ -60,6 +60,7 @@ class Performances:
         music: whether the music's beats are known; else the time is free.
         phrases: events that a dancer leaves out together, as lists of event indices.
         unused: how many events found no place, because another of the same dancer was nearer to it.
+        doubts: what speaks against a fit, a line each, in words.
     """
 
     agents: tuple[str, ...]
@@ -68,6 +69,7 @@ class Performances:
     music: bool
     phrases: tuple[tuple[int, ...], ...] = ()
     unused: int = 0
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -328,7 +330,7 @@ def _doubts(fit: TimingFit, model: _Model, vector: Array, ends: Array) -> tuple[
     least, most = np.array(model.bounds()).T
     at_least, at_most = (np.isclose(vector, bound, rtol=1e-4, atol=1e-9) for bound in (least, most))
     low, high = ends.T
-    said = []
+    said = list(model.data.doubts)
     for flags, words in (
         (at_most | (at_least & (least != 0.0)), "on the bounds of what is fitted, and say little"),
         ((low <= least) & (high >= most), "not told by these data: intervals from bound to bound"),

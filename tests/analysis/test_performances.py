@@ -106,3 +106,13 @@ def test_phrases_are_what_people_leave_out_together():
 def test_what_does_not_fit_together_is_refused(rows, says):
     with pytest.raises(FitError, match=says):
         performances(rows, TABLE)
+
+
+def test_people_who_do_not_hear_one_another_are_doubted():
+    rng = np.random.default_rng(2)
+    alone = [(k, t_s) for k in range(3) for t_s in 0.3 * k + (0.65 + 0.01 * k) * np.arange(75)]
+    together = [(k, 0.65 * beat + 0.03 * rng.standard_normal()) for k in range(3) for beat in range(75)]
+    doubts = [performances([event(f"p{k}", t_s) for k, t_s in sorted(taps, key=lambda one: one[1])], None).doubts
+              for taps in (alone, together)]  # fmt: skip
+    assert "may be chance" in doubts[0][0]
+    assert doubts[1] == ()
