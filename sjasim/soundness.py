@@ -110,7 +110,7 @@ def _missing(known: BoolArray, state: Array) -> list[str]:
         if share == 1.0:
             said.append(f"no {lost} can be found: none of {len(known)} frames has {name}")
         elif share > 0.0:
-            said.append(f"{share:.1%} of {len(known)} frames lack {name}: {lost} in them are missed")
+            said.append(f"{share:.1%} of {len(known)} frames lack {name}: {lost} in them may be missed")
     return said
 
 

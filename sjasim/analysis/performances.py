@@ -25,6 +25,9 @@ LOOSEST = 0.12
 """In free time, dancers farther apart than this share of the time between two events may not be together at all: those
 who do not hear one another are .14 to .18 apart, groups that couple less than .12 (measured on generated ones)."""
 
+FEWEST_GAPS = 5
+"""Fewer times between two events do not make a tempo: a step left out would be taken for another one (assumed)."""
+
 Trials = dict[tuple[str, int], dict[str, list[TableEvent]]]
 """(session, iteration) -> agent -> events."""
 
@@ -150,14 +153,15 @@ def _free(trial: Mapping[str, Sequence[TableEvent]], cast: Sequence[str]) -> Arr
 
 
 def _usual_gap(trial: Mapping[str, Sequence[TableEvent]], kind: Kind) -> float:
-    """Usual time between two events of a kind of one dancer [s]; it must be much the same for all of them."""
+    """Usual time between two events of a kind of one dancer [s]; a tempo must be much the same for all of them."""
     times = {agent: [event.t_s for event in own if event.kind is kind] for agent, own in trial.items()}
     gaps = {agent: float(np.median(np.diff(own))) for agent, own in times.items() if len(own) > 1}
     if not gaps:
         return np.inf
-    slowest, fastest = max(gaps, key=lambda agent: gaps[agent]), min(gaps, key=lambda agent: gaps[agent])
-    if gaps[slowest] > MOST_UNEVEN * gaps[fastest]:
-        told = f"every {gaps[fastest]:.2f} s, {slowest}'s every {gaps[slowest]:.2f} s"
+    tempi = {agent: gap for agent, gap in gaps.items() if len(times[agent]) > FEWEST_GAPS}
+    slowest, fastest = (extreme(tempi, key=lambda agent: tempi[agent], default="") for extreme in (max, min))
+    if tempi and tempi[slowest] > MOST_UNEVEN * tempi[fastest]:
+        told = f"every {tempi[fastest]:.2f} s, {slowest}'s every {tempi[slowest]:.2f} s"
         raise FitError(f"{fastest}'s {kind} comes {told}: they do not go together one to one, and are not fitted")
     return float(np.median(list(gaps.values())))
 

@@ -74,6 +74,12 @@ def test_people_of_different_tempi_have_nothing_in_common():
         performances(sorted(taps, key=lambda one: one.t_s), None)
 
 
+def test_a_step_left_out_of_a_few_is_no_other_tempo():
+    steps = [event("a", 6.0 * k) for k in range(3)] + [event("b", 0.1 + 6.0 * k) for k in (0, 2)]
+    found = performances(sorted(steps, key=lambda one: one.t_s), None)
+    assert np.isfinite(found.late_s).all(axis=2).sum() == 2
+
+
 def test_tables_are_joined_as_sessions():
     one, two = (performances(dance(("a", "b"), (0.0, 0.1), k), TABLE) for k in (1, 2))
     both = joined([one, two])
