@@ -14,14 +14,18 @@ CLOSEST_S, FARTHEST_S = 0.001, 1.0
 SMALLEST_M, LARGEST_M = 0.05, 3.0
 """Bodies smaller or larger than this are not measured in metres (assumed)."""
 
-UNSURE_M_S = 0.017
-"""Error of a speed above which moves are invented or missed (measured on generated recordings)."""
+UNREST_M_S = 0.055
+"""Speeds of somebody who stays in place from which on moves are invented or missed (measured on generated recordings:
+below it one event in fifty at most, above it more and more)."""
 
-_SHAKEN_S = 0.067
-"""Time over which errors are told from motion."""
+_STAYS_S, _STAYS_M, _LEAST_S = 1.0, 0.1, 3.0
+"""Who is so near after so long has stayed in place; how much of that tells something (assumed)."""
 
-_NORMAL_QUARTILE = 0.3186
-"""A quarter of normal deviates are smaller."""
+_SPEED_S = 4 / 30
+"""Time over which the detectors take speeds."""
+
+_HALF_OF_NORMAL = 0.6745
+"""Half of normal deviates are smaller."""
 
 _BASE, _HEAD = JOINT_INDEX["SpineBase"], JOINT_INDEX["Head"]
 _HANDS = [JOINT_INDEX["HandLeft"], JOINT_INDEX["HandRight"]]
@@ -37,9 +41,8 @@ def check_units(recording: RecordedJoints) -> None:
     if len(recording.t_s) > 1:
         gap_s = float(np.median(np.diff(recording.t_s)))
         if not CLOSEST_S <= gap_s <= FARTHEST_S:
-            raise RecordError(
-                f"t_s: frames are {gap_s:.3g} s apart, wanted {CLOSEST_S:g} to {FARTHEST_S:g} s: times in seconds"
-            )
+            wanted = f"{CLOSEST_S:g} to {FARTHEST_S:g} s: times in seconds, one for all joints of a frame"
+            raise RecordError(f"t_s: frames are {gap_s:.3g} s apart, wanted {wanted}")
     several = (recording.state != NOT_TRACKED).sum(axis=2) > 1
     if not several.any():
         return
@@ -68,32 +71,33 @@ def doubts(recording: RecordedJoints) -> list[str]:
         own = recording.joints_m[frames, row]
         for doubt in (*_missing(known[frames, row], recording.state[frames, row]), *_astray(own)):
             said.append(f"person {person}: {doubt}")
-        error_m_s = speed_error_m_s(recording.t_s[frames], own[:, _BASE, 2])
-        if error_m_s > UNSURE_M_S:
+        unrest_m_s = unrest(recording.t_s[frames], own[:, _BASE, 2])
+        if unrest_m_s > UNREST_M_S:
             told = "starts and stops may be missed or invented: smooth more (--smooth-s), or raise --detectors.on-m-s"
-            said.append(f"person {person}: SpineBase jitters, its speed is uncertain by {error_m_s:.2f} m/s; {told}")
+            said.append(f"person {person}: SpineBase strays at {unrest_m_s:.2f} m/s while in place; {told}")
     return said
 
 
-def speed_error_m_s(t_s: Array, depth_m: Array) -> float:
-    """Standard deviation of the error of a speed that the detectors take, 0 if there is too little to tell.
-
-    Told from motion by second differences, of which the lower quartile is taken: bodies are heavy, and stand still now
-    and then. Errors that last longer than the frames compared show in part only.
+def unrest(t_s: Array, depth_m: Array) -> float:
+    """Standard deviation of the speed of somebody who stays in place [m/s], by jitter or small movements.
 
     Args:
-        t_s: (T,) times of the frames [s].
-        depth_m: (T,) distance from the sensor, NaN where unknown [m].
+        t_s: (F,) times of the frames [s].
+        depth_m: (F,) distance from the sensor, NaN where unknown [m].
+
+    Returns:
+        the deviation; 0 if they hardly ever stay in place.
     """
-    if len(t_s) < 3:
+    gap_s = float(np.median(np.diff(t_s))) if len(t_s) > 1 else _LEAST_S
+    narrow, wide = (max(1, round(0.5 * span_s / gap_s)) for span_s in (_SPEED_S, _STAYS_S))
+    count = len(t_s) - 2 * wide
+    if count < 1:
         return 0.0
-    back = max(1, round(_SHAKEN_S / float(np.median(np.diff(t_s)))))
-    bent = depth_m[2 * back :] - 2.0 * depth_m[back:-back] + depth_m[: -2 * back]
-    span_s = t_s[2 * back :] - t_s[: -2 * back]
-    usable = np.isfinite(bent) & (span_s < 2.0 * np.median(span_s)) if len(span_s) else np.zeros(0, dtype=bool)
-    if not usable.any():
-        return 0.0
-    return float(np.quantile(np.abs(bent[usable]) / span_s[usable], 0.25) / _NORMAL_QUARTILE / np.sqrt(3.0))
+    after, before = (slice(wide + by, wide + by + count) for by in (narrow, -narrow))
+    speeds = (depth_m[after] - depth_m[before]) / (t_s[after] - t_s[before])
+    stays = np.abs(depth_m[2 * wide :] - depth_m[:count]) < _STAYS_M
+    still = speeds[stays & np.isfinite(speeds)]
+    return float(np.median(np.abs(still))) / _HALF_OF_NORMAL if len(still) * gap_s >= _LEAST_S else 0.0
 
 
 def _missing(known: BoolArray, state: Array) -> list[str]:

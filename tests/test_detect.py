@@ -71,7 +71,7 @@ def test_iterations_start_when_they_are_said_to(file, capsys):
     [
         (1000.0, 1.0, "bodies are 1,5[0-9][0-9] m large, wanted 0.05 to 3 m: joints in metres"),
         (0.01, 1.0, "bodies are 0.01[0-9]* m large"),
-        (1.0, 1000.0, "frames are 33.[0-9] s apart, wanted 0.001 to 1 s: times in seconds"),
+        (1.0, 1000.0, "frames are 33.[0-9] s apart, wanted 0.001 to 1 s: times in seconds,"),
         (1.0, 1e-3, "frames are 3.3[0-9]*e-05 s apart"),
     ],
 )
@@ -110,7 +110,7 @@ def test_what_hides_events_is_said_of_whom():
     )
     assert doubted(no_hip)[0].startswith("person 1: no events can be found: none of")
     assert doubted(gone) == ["person 1 is in no frame"]
-    assert "SpineBase jitters" in doubted(lambda joints: None, Flaws(white_m=0.01))[0]
+    assert "SpineBase strays at 0.1" in doubted(lambda joints: None, Flaws(white_m=0.01))[0]
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ from ..assets.names import JOINT_INDEX, JOINTS
 from ..errors import RecordError
 from ..logs import natural_order
 from ..types import INFERRED, NOT_TRACKED, TRACKED, Array, BoolArray, IntArray, RecordedJoints
+from .event_table import separator
 
 COLUMNS = ("t_s", "person", "joint", "x_m", "y_m", "z_m")
 """What a table must have; ``state`` may be added."""
@@ -163,7 +164,7 @@ def _text(path: Path) -> dict[str, Any]:
     """Columns by name, as words; decimal commas become points."""
     with path.open(newline="", encoding="utf-8-sig") as file:
         first = file.readline()
-        between = max(",;\t", key=first.count)
+        between = separator(first)
         raw = next(csv.reader([first], delimiter=between), [])
     names = {name.strip().lower(): name for name in raw}
     wanted = [names[name] for name in (*COLUMNS, "state") if name in names]
