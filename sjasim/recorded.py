@@ -21,7 +21,8 @@ class Detected(NamedTuple):
     """An event of a recording.
 
     Attributes:
-        t_s: time of the frame that shows it; never back-dated.
+        t_s: time of the frame that shows it; never back-dated. In a mended recording frames a little later have their
+            part in what it shows.
         person: as the recording names them.
         kind: what happened.
         early: whether it is an early event.
