@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import tyro
 from rich.console import Console
@@ -17,6 +17,9 @@ from rich.table import Table
 from . import cli
 from .config import DanceConfig
 from .view import check_file
+
+if TYPE_CHECKING:
+    from .analysis.timing_fit import TimingFit
 
 ABOUT = "Fit coupling and noise of the human timing model to event tables or sessions' folders."
 
@@ -47,7 +50,7 @@ class Options:
 
 
 def command(arguments: Sequence[str]) -> None:
-    """Read, fit, show, keep."""
+    """Read, fit, show, and keep what could be danced."""
     options = cli.parse(Options, arguments, None, "python -m sjasim.calibrate", ABOUT)
     if options.out is not None:
         check_file(options.out, options.overwrite)
@@ -57,24 +60,33 @@ def command(arguments: Sequence[str]) -> None:
     dance = None if options.dance == DanceConfig() else options.dance
     data = gather(options.paths, dance, options.time == "music")
     if data.unused:
-        sys.stderr.write(f"{data.unused} events are not used: another of the same dancer is nearer to their step\n")
+        unused = f"{cli.counted(data.unused, 'event')} not used"
+        sys.stderr.write(f"{unused}: another of the same dancer is nearer to the same step\n")
     fit = fit_performances(data, coupling=options.coupling, noise=options.noise)
+    (_print_json if options.json else _print_table)(fit)
+    sys.stderr.writelines(f"warning: {doubt}\n" for doubt in fit.doubts)
     if options.out is not None:
         options.out.write_text(as_toml(fit), encoding="utf-8")
         sys.stderr.write(f"kept in {options.out}\n")
-    if options.json:
-        plain = {"schema": 1, "agents": fit.agents, "performances": fit.performances, "events": fit.events}
-        estimates = {name: _finite(asdict(item)) for name, item in fit.estimates.items()}
-        whole = {**plain, "log_likelihood": fit.log_likelihood, "estimates": estimates}
-        sys.stdout.write(json.dumps(whole, allow_nan=False) + "\n")
-        return
-    table = Table(title=f"{fit.events} events of {', '.join(fit.agents)} in {fit.performances} performances")
+
+
+def _print_json(fit: TimingFit) -> None:
+    plain = {"schema": 1, "agents": fit.agents, "performances": fit.performances, "events": fit.events}
+    estimates = {name: _finite(asdict(item)) for name, item in fit.estimates.items()}
+    whole = {**plain, "log_likelihood": fit.log_likelihood, "estimates": estimates, "doubts": fit.doubts}
+    sys.stdout.write(json.dumps(whole, allow_nan=False) + "\n")
+
+
+def _print_table(fit: TimingFit) -> None:
+    events, trials = cli.counted(fit.events, "event"), cli.counted(fit.performances, "performance")
+    console, table = Console(), Table()
     for name in ("parameter", "fitted", "95 % interval"):
         table.add_column(name, justify="left" if name == "parameter" else "right")
     for name, item in fit.estimates.items():
         known = f"{item.low:.4f} to {item.high:.4f}" if math.isfinite(item.high - item.low) else "-"
         table.add_row(name.replace("[", "\\["), f"{item.value:.4f}", known)
-    Console().print(table)
+    console.print(f"{events} of {', '.join(fit.agents)} in {trials}", markup=False, highlight=False)
+    console.print(table)
 
 
 def _finite(plain: dict[str, float]) -> dict[str, float | None]:

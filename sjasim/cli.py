@@ -119,6 +119,11 @@ def config_from(arguments: Sequence[str]) -> SessionConfig:
     return SessionConfig()
 
 
+def counted(count: int, noun: str) -> str:
+    """A number of things in words: 1 person, 2 persons."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def _one_line(text: str) -> str:
     """An error box as one line: without its frame, title, rules, and what it says of options at large."""
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("╭")]

@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
+import bisect
 import csv
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
 from . import cli
 from .config import DetectorConfig
-from .recorded import detect_events
+from .errors import ConfigError
+from .mending import BRIDGE_S, SMOOTH_S, mended
+from .recorded import Detected, events_of, recording
+from .soundness import doubts
 
-ABOUT = "Starts, stops and claps in recorded joints (CSV or Parquet); a table of events as CSV."
+ABOUT = (
+    "Starts, stops and claps in recorded joints (CSV or Parquet), as an event table (CSV) that sjasim.calibrate takes: "
+    "session, iteration, agent, kind, t_s (when the event was detected), early, t_onset_s (when it is estimated to "
+    "have begun; empty for early events). What keeps events from being found is said on stderr."
+)
+COLUMNS = ("session", "iteration", "agent", "kind", "t_s", "early", "t_onset_s")
+DECIMALS = 6
 
 
 @dataclass(frozen=True)
@@ -26,31 +37,67 @@ class Options:
     Attributes:
         joints: CSV or Parquet file with the columns t_s, person, joint, x_m, y_m, z_m in the Kinect's camera space,
             and perhaps state.
+        session: what to call the session in the event table; by default the file's name.
+        iteration_starts_s: times at which iterations 0, 1, ... start; events before the first are left out. By default
+            all is iteration 0.
+        bridge_s: gaps of a joint no longer than this are bridged; 0 bridges none.
+        smooth_s: width over which trunks are smoothed; 0 smooths nothing.
         detectors: thresholds.
         json: print JSON instead of CSV.
     """
 
     joints: Annotated[Path, tyro.conf.Positional]
+    session: str | None = None
+    iteration_starts_s: tuple[float, ...] = ()
+    bridge_s: float = BRIDGE_S
+    smooth_s: float = SMOOTH_S
     detectors: DetectorConfig = field(default_factory=DetectorConfig)
     json: bool = False
 
+    def __post_init__(self) -> None:
+        if not all(before < after for before, after in pairwise(self.iteration_starts_s)):
+            raise ConfigError("iteration_starts_s", self.iteration_starts_s, "times that rise")
+        if self.session is not None and not self.session.strip():
+            raise ConfigError("session", self.session, "a name")
+
 
 def command(arguments: Sequence[str]) -> None:
-    """Read, detect, print."""
+    """Read, mend, detect, print."""
     options = cli.parse(Options, arguments, None, "python -m sjasim.detect", ABOUT)
     from .record.joint_table import read_joints
 
-    read = read_joints(options.joints)
-    found = detect_events(read.t_s, read.joints_m, read.state, read.persons, options.detectors)
+    joints = mended(recording(*read_joints(options.joints)), options.bridge_s, options.smooth_s)
+    found = events_of(joints, options.detectors)
+    rows = _rows(found, options)
+    _tell(doubts(joints))
     if not found:
-        sys.stderr.write(f"no events in {len(read.t_s)} frames of {len(read.persons)} persons\n")
+        frames, persons = cli.counted(len(joints.t_s), "frame"), cli.counted(len(joints.persons), "person")
+        _tell([f"no events in {frames} of {persons}"])
+    if len(rows) < len(found):
+        _tell([f"left out: {cli.counted(len(found) - len(rows), 'event')} before the first iteration starts"])
     if options.json:
-        rows = [one._asdict() | {"kind": one.kind.value} for one in found]
         sys.stdout.write(json.dumps({"schema": 1, "events": rows}, indent=1) + "\n")
         return
-    writer = csv.writer(sys.stdout, lineterminator="\n")
-    writer.writerow(("t_s", "person", "kind", "early", "t_onset_s"))
-    writer.writerows((one.t_s, one.person, one.kind.value, one.early, one.t_onset_s) for one in found)
+    writer = csv.DictWriter(sys.stdout, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+
+
+def _rows(found: Iterable[Detected], options: Options) -> list[dict[str, Any]]:
+    """The event table, without what came before the first iteration."""
+    starts_s = options.iteration_starts_s or (float("-inf"),)
+    session = options.session or options.joints.stem
+    rows = []
+    for one in found:
+        iteration = bisect.bisect_right(starts_s, one.t_s) - 1
+        onset_s = None if one.t_onset_s is None else round(one.t_onset_s, DECIMALS)
+        values = session, iteration, one.person, one.kind.value, round(one.t_s, DECIMALS), one.early, onset_s
+        rows += [dict(zip(COLUMNS, values, strict=True))] if iteration >= 0 else []
+    return rows
+
+
+def _tell(lines: Iterable[str]) -> None:
+    sys.stderr.writelines(f"{line}\n" for line in lines)
 
 
 if __name__ == "__main__":

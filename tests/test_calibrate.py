@@ -74,6 +74,30 @@ def test_one_performance_has_a_lateness_without_an_interval(tmp_path, capsys):
     assert 0.0 < estimates["timekeeper_s"]["high"] < 0.05
 
 
+def test_a_fit_that_cannot_be_danced_is_shown_with_its_doubts_and_not_kept(tmp_path, capsys):
+    rng, dance = np.random.default_rng(5), timetable(CONFIG)
+    lines = ["session,iteration,agent,kind,t_s"]
+    for iteration in range(4):
+        late_s, rows = np.zeros(2), []
+        for step in dance.choreography.steps():
+            late_s = late_s + 0.3 * (late_s - late_s[::-1]) + 0.01 * rng.standard_normal(2)  # they drive each other off
+            time_s = dance.time_s(iteration, step.beat)
+            rows += [(time_s + late, who, step.kind) for late, who in zip(late_s, "ab", strict=True)]
+        lines += [f"s,{iteration},{who},{kind},{t_s:.4f}" for t_s, who, kind in sorted(rows)]
+    wild = tmp_path / "wild.csv"
+    wild.write_text("\n".join(lines) + "\n")
+    assert cli.main(calibrate.command, [str(wild), "--coupling", "matrix"]) == 0
+    said = capsys.readouterr()
+    assert "coupling[1][2]" in said.out
+    assert "warning: one session is too little" in said.err
+    assert "warning: the fit makes no group that can dance" in said.err
+    assert cli.main(calibrate.command, [str(wild), "--coupling", "matrix", "--out", str(tmp_path / "w.toml")]) == 2
+    said = capsys.readouterr()
+    assert "coupling[1][2]" in said.out
+    assert said.err.splitlines()[-1].startswith("error: the fit makes no group that can dance")
+    assert not (tmp_path / "w.toml").exists()
+
+
 def test_names_with_quotes_make_a_file_too(table, tmp_path):
     named = tmp_path / "named.csv"
     named.write_text(table.read_text().replace("dancer_1", '"Ana ""the beat"""'))

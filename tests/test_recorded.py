@@ -105,7 +105,7 @@ def test_a_file_gives_the_same_events(tmp_path, capsys):
     assert [one["kind"] for one in events if not one["early"]] == [
         "start_forward", "stop_forward", "start_backward", "stop_backward", "clap", "start_forward", "stop_forward",
     ]  # fmt: skip
-    assert {one["person"] for one in events} == {4}
+    assert {(one["session"], one["iteration"], one["agent"]) for one in events} == {("joints", 0, 4)}
 
 
 @pytest.mark.parametrize(
@@ -128,5 +128,9 @@ def test_a_file_without_events_says_so_on_stderr(tmp_path, capsys):
     file.write_text("t_s,person,joint,x_m,y_m,z_m\n0.0,1,SpineBase,0,0,2\n0.1,1,SpineBase,0,0,2\n")
     assert cli.main(detect.command, [str(file)]) == 0
     heard = capsys.readouterr()
-    assert heard.out == "t_s,person,kind,early,t_onset_s\n"
-    assert heard.err == "no events in 2 frames of 1 persons\n"
+    assert heard.out == "session,iteration,agent,kind,t_s,early,t_onset_s\n"
+    assert heard.err.splitlines() == [
+        "person 1: no events can be found: none of 2 frames has both hips (HipLeft, HipRight)",
+        "person 1: no claps can be found: none of 2 frames has two tracked hands (HandLeft, HandRight)",
+        "no events in 2 frames of 1 person",
+    ]

@@ -14,7 +14,7 @@ Source: jacoby2015 (the estimation problem, and that noise variances and gains t
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -60,6 +60,7 @@ class Performances:
         music: whether the music's beats are known; else the time is free.
         phrases: events that a dancer leaves out together, as lists of event indices.
         unused: how many events found no place, because another of the same dancer was nearer to it.
+        doubts: what speaks against a fit, a line each, in words.
     """
 
     agents: tuple[str, ...]
@@ -68,6 +69,7 @@ class Performances:
     music: bool
     phrases: tuple[tuple[int, ...], ...] = ()
     unused: int = 0
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,21 +86,35 @@ class TimingFit:
     """What was found.
 
     Attributes:
-        parameters: of the human timing model, ready to be danced.
+        values: fields of `TimingParameters` as fitted, whether or not a group could dance them.
         estimates: by name, every fitted value with its interval; ``coupling[1][2]`` is how dancer 1 corrects towards
             dancer 2.
         agents: the dancers, in order.
         performances: how many iterations or trials were fitted.
         events: how many events.
         log_likelihood: at the maximum.
+        doubts: what speaks against the estimates, a line each, in words.
     """
 
-    parameters: TimingParameters
+    values: Mapping[str, Any]
     estimates: Mapping[str, Estimate]
     agents: tuple[str, ...]
     performances: int
     events: int
     log_likelihood: float
+    doubts: tuple[str, ...] = ()
+
+    @property
+    def parameters(self) -> TimingParameters:
+        """The human timing model's parameters, ready to be danced.
+
+        Raises:
+            FitError: no group could dance them, for under the fitted gains differences would grow.
+        """
+        try:
+            return TimingParameters(**self.values)
+        except ConfigError as error:
+            raise FitError(f"the fit makes no group that can dance: {error.field} wants {error.allowed}") from error
 
 
 def fit_performances(data: Performances, *, coupling: str = "one", noise: str = "one") -> TimingFit:
@@ -111,7 +127,7 @@ def fit_performances(data: Performances, *, coupling: str = "one", noise: str = 
 
     Raises:
         ConfigError: another word for coupling or noise.
-        FitError: fewer than `FEWEST_EVENTS` events or two dancers, or gains under which the group falls apart.
+        FitError: fewer than `FEWEST_EVENTS` events or two dancers.
     """
     for name, value, words in (("coupling", coupling, ("one", "matrix")), ("noise", noise, ("one", "each"))):
         if value not in words:
@@ -128,9 +144,11 @@ def fit_performances(data: Performances, *, coupling: str = "one", noise: str = 
     spreads = [name.endswith("_spread") for name in model.names]
     for free in (np.logical_not(spreads), np.ones(len(at), dtype=bool)):
         at = lowest(model.cost, at, model.bounds(), free, events)
-    estimates = model.estimates(at, intervals(model.cost, at, model.bounds(), events))
-    parameters = _parameters(estimates, data, model)
-    return TimingFit(parameters, estimates, data.agents, len(data.late_s), events, -model.cost(at))
+    ends = intervals(model.cost, at, model.bounds(), events)
+    estimates = model.estimates(at, ends)
+    shape = data.agents, len(data.late_s), events
+    fit = TimingFit(_values(estimates, data, model), estimates, *shape, -model.cost(at))
+    return replace(fit, doubts=_doubts(fit, model, at, ends))
 
 
 @dataclass
@@ -290,8 +308,8 @@ class _Model:
         return {"lapse": Estimate(share, float(max(low, 0.0)), float(high))}
 
 
-def _parameters(estimates: Mapping[str, Estimate], data: Performances, model: _Model) -> TimingParameters:
-    """The estimates as parameters that can be danced."""
+def _values(estimates: Mapping[str, Estimate], data: Performances, model: _Model) -> dict[str, Any]:
+    """The estimates as fields of `TimingParameters`."""
     values = {name: estimate.value for name, estimate in estimates.items()}
     plain: dict[str, Any] = {name: value for name, value in values.items() if "[" not in name}
     dancers = range(len(data.agents))
@@ -301,10 +319,31 @@ def _parameters(estimates: Mapping[str, Estimate], data: Performances, model: _M
         logs = {name: float(np.log(value)) for name, value in values.items() if name.startswith("scale[")}
         plain["scale"] = tuple(float(scale) for scale in model.scales(logs))
     plain["late_s"] = tuple(values[f"late_s[{i + 1}]"] for i in dancers)
+    return {**plain, "about": _about(data)}
+
+
+def _doubts(fit: TimingFit, model: _Model, vector: Array, ends: Array) -> tuple[str, ...]:
+    """What speaks against a fit: entries on their bounds, intervals as wide as these, too few sessions, no dance.
+
+    A noise or a gain of 0 is a finding, not a doubt.
+    """
+    least, most = np.array(model.bounds()).T
+    at_least, at_most = (np.isclose(vector, bound, rtol=1e-4, atol=1e-9) for bound in (least, most))
+    low, high = ends.T
+    said = list(model.data.doubts)
+    for flags, words in (
+        (at_most | (at_least & (least != 0.0)), "on the bounds of what is fitted, and say little"),
+        ((low <= least) & (high >= most), "not told by these data: intervals from bound to bound"),
+    ):
+        names = [name for name, flag in zip(model.names, flags, strict=True) if flag]
+        said += [f"{words}: {', '.join(names)}"] if names else []
+    if (model.matrix or model.each) and len(set(model.data.session.tolist())) == 1:
+        said.append("one session is too little to tell people apart: give several of the same people")
     try:
-        return TimingParameters(**plain, about=_about(data))
-    except ConfigError as error:
-        raise FitError(f"the fit makes no group that can dance: {error}") from error
+        _ = fit.parameters
+    except FitError as error:
+        said.append(str(error))
+    return tuple(said)
 
 
 def _about(data: Performances) -> str:

@@ -1,7 +1,8 @@
 """The event table, ours or a laboratory's: who did what when, from CSV or Parquet, every row accounted for.
 
-Columns ``session, iteration, agent, kind, t_s``, and ``early`` if there is one; others are not looked at. A session's
-``cues`` table (``dancer, move, iteration, t_s, duration_s``) says the same in other words and is read too.
+Columns ``session, iteration, agent, kind, t_s``, and ``early`` if there is one; others are not looked at. Semicolons or
+tabs may part them, and times then have decimal commas. A session's ``cues`` table (``dancer, move, iteration, t_s,
+duration_s``) says the same in other words and is read too.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ _CUE_KINDS = {
     Move.CLAP: (Kind.CLAP,),
     Move.TURN: (Kind.TURN,),
 }
+_TIMES = ("t_s", "duration_s")
 _TRUTHS = {"true": True, "1": True, "false": False, "0": False, "": False, "none": False}
 
 
@@ -68,16 +70,28 @@ def _rows(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
             yield from enumerate(pq.read_table(path).to_pylist(), start=1)
             return
         with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.DictReader(file, skipinitialspace=True)
+            between = separator(file.readline())
+            file.seek(0)
+            reader = csv.DictReader(file, skipinitialspace=True, delimiter=between)
             for row in reader:
                 if None in row or None in row.values():
                     allowed = f"{len(reader.fieldnames or ())} values, as the first line has"
                     raise RecordError(f"{path}, line {reader.line_num}: {allowed}")
-                yield reader.line_num, row
+                yield reader.line_num, row if between == "," else _with_points(row)
     except FileNotFoundError:
         raise RecordError(f"{path} does not exist") from None
     except (OSError, ValueError, csv.Error) as error:
         raise RecordError(f"{path} cannot be read: {str(error).splitlines()[0]}") from None
+
+
+def separator(header: str) -> str:
+    """What stands between the columns of a CSV file, by its first line: comma, semicolon or tab."""
+    return max(",;\t", key=header.count)
+
+
+def _with_points(row: Mapping[str, str]) -> dict[str, str]:
+    """Times of a row with points for decimal commas."""
+    return {name: value.replace(",", ".") if name in _TIMES else value for name, value in row.items()}
 
 
 def _event(path: Path, line: int, row: Mapping[str, Any]) -> list[TableEvent]:

@@ -45,6 +45,22 @@ class SkeletonFrame(NamedTuple):
     skeletons: Skeletons
 
 
+class RecordedJoints(NamedTuple):
+    """Skeletons over time, from a recording.
+
+    Attributes:
+        t_s: (T,) rising times of the frames [s].
+        joints_m: (T, P, 25, 3) joints in the Kinect's camera space; NaN where unknown [m].
+        state: (T, P, 25) 2 tracked, 1 inferred, 0 not tracked.
+        persons: (P,) who is in which row, as the recording names them: numbers or words.
+    """
+
+    t_s: Array
+    joints_m: Array
+    state: NDArray[np.int8]
+    persons: NDArray[np.generic]
+
+
 @dataclass(frozen=True, slots=True)
 class DeviceEvent:
     """An event as a client reports it, on that client's uncorrected clock.

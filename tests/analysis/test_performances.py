@@ -74,6 +74,12 @@ def test_people_of_different_tempi_have_nothing_in_common():
         performances(sorted(taps, key=lambda one: one.t_s), None)
 
 
+def test_a_step_left_out_of_a_few_is_no_other_tempo():
+    steps = [event("a", 6.0 * k) for k in range(3)] + [event("b", 0.1 + 6.0 * k) for k in (0, 2)]
+    found = performances(sorted(steps, key=lambda one: one.t_s), None)
+    assert np.isfinite(found.late_s).all(axis=2).sum() == 2
+
+
 def test_tables_are_joined_as_sessions():
     one, two = (performances(dance(("a", "b"), (0.0, 0.1), k), TABLE) for k in (1, 2))
     both = joined([one, two])
@@ -106,3 +112,13 @@ def test_phrases_are_what_people_leave_out_together():
 def test_what_does_not_fit_together_is_refused(rows, says):
     with pytest.raises(FitError, match=says):
         performances(rows, TABLE)
+
+
+def test_people_who_do_not_hear_one_another_are_doubted():
+    rng = np.random.default_rng(2)
+    alone = [(k, t_s) for k in range(3) for t_s in 0.3 * k + (0.65 + 0.01 * k) * np.arange(75)]
+    together = [(k, 0.65 * beat + 0.03 * rng.standard_normal()) for k in range(3) for beat in range(75)]
+    doubts = [performances([event(f"p{k}", t_s) for k, t_s in sorted(taps, key=lambda one: one[1])], None).doubts
+              for taps in (alone, together)]  # fmt: skip
+    assert "may be chance" in doubts[0][0]
+    assert doubts[1] == ()

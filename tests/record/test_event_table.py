@@ -35,6 +35,12 @@ def test_columns_may_stand_in_any_order_and_others_are_not_looked_at(tmp_path):
     assert [(e.early, e.t_s) for e in found] == [(True, 2.5), (False, 3.0)]
 
 
+@pytest.mark.parametrize("between", [";", "\t"])
+def test_columns_may_be_parted_otherwise_and_times_have_commas(tmp_path, between):
+    rows = (HEAD + "s,0,p 1,clap,4.5\n").replace(",", between).replace(".", ",")
+    assert [(e.agent, e.t_s) for e in read_event_table(table(tmp_path, rows, ""))] == [("p 1", 4.5)]
+
+
 def test_a_sessions_cues_tell_of_starts_and_stops(tmp_path):
     cues = [
         Cue("dancer_1", Move.FORWARD, 1, 0, 0.0, 4.0, 2.0),
