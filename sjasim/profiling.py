@@ -150,7 +150,7 @@ def instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
 
 
 def profile_depth(config: SessionConfig) -> dict[str, Any]:
-    """Measure one iteration with depth sensing, and a frame of it.
+    """Measure a whole session with depth sensing, hand-overs included, and a frame of it.
 
     Image, noise and skeletons of the first active sensor are watched in a second session, so that the first one is
     measured without anybody looking.
@@ -158,8 +158,8 @@ def profile_depth(config: SessionConfig) -> dict[str, Any]:
     Returns:
         ``depth_sim_s`` and ``depth_cpu_s`` of the session; ``depth_frames`` and ``depth_frame_cpu_s`` of the frames.
     """
-    config = replace(config, sensing="depth", iterations=1, dance=replace(config.dance, rehearsal=False))
-    Session(config).advance(1.0)
+    config = replace(config, sensing="depth")
+    Session(config).advance(WARM_S)
     begin = time.process_time()
     session = Session(config)
     session.advance(session.end_s)
