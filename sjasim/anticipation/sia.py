@@ -112,7 +112,7 @@ class Sia(Scheduling):
         self._fallbacks: tuple[Intention, ...] = ()
         self._followed = -2
         self._alone: dict[float, int] = {}
-        self._hurried: set[int] = set()
+        self._hurried: dict[int, float] = {}
 
     def follows(self, iteration: int) -> tuple[str, ...] | None:
         """The dancer chosen when the last iteration closed; before `SiaConfig.effective_from` nobody, or everyone."""
@@ -131,7 +131,7 @@ class Sia(Scheduling):
         if step is None or step < self._next:
             return ()
         if step == self._next:
-            return (self._follow(event), *self._wait_for_stop())
+            return (self._follow(event), *self._wait_again())
         if event.early or after < self._reference[self._next]:
             return ()
         over = self._brief.steps[step - 1].kind in STARTS
@@ -167,13 +167,13 @@ class Sia(Scheduling):
         )
         starts = [step.ordinal for step in self._brief.steps if step.kind in STARTS]
         self._alone = {fallbacks[ordinal].t_s: ordinal for ordinal in starts}
-        self._fallbacks, self._hurried = fallbacks, set()
+        self._fallbacks, self._hurried = fallbacks, {}
         return (*fallbacks, *map(Wake, self._alone))
 
     def on_wake(self, t_s: float) -> Sequence[Answer]:
-        """A start's window has closed: go on alone if nobody was followed."""
+        """A start's window has closed: go on alone if nobody was followed, and the start is not made already."""
         begun = self._alone.pop(t_s, None)
-        if begun is None or not self._leader:
+        if begun is None or not self._leader or self._hurried.get(begun, np.inf) <= t_s:
             return ()
         self._next = max(self._next, begun + 1)
         return self._rest_of_phrase(begun, t_s)
@@ -198,11 +198,11 @@ class Sia(Scheduling):
             rest.append(step.ordinal)
         left_s = self._start_s + float(self._reference[rest[-1] + 1]) - HOLD_S - t_s
         share = min(1.0, max(SHORTEST, left_s / (times[-1] - t_s)))
-        self._hurried.update(rest)
+        hurried = [t_s + share * (time - t_s) for time in times[1:]]
+        self._hurried.update(zip(rest, hurried, strict=True))
         why = f"fallback: {self._brief.steps[begun].kind.value} was made without {self._note}"
         return tuple(
-            Intention(self._scheduled, ordinal, t_s + share * (time - t_s), why)
-            for ordinal, time in zip(rest, times[1:], strict=True)
+            Intention(self._scheduled, ordinal, time, why) for ordinal, time in zip(rest, hurried, strict=True)
         )
 
     def _choose(self, iteration: int) -> None:
@@ -233,10 +233,12 @@ class Sia(Scheduling):
         distance, ordinal = min(own, default=(np.inf, -1))
         return ordinal if distance <= self._config.window_s else None
 
-    def _wait_for_stop(self) -> tuple[Intention, ...]:
-        """The stop's own fallback again, if it was scheduled without a dancer whose start has just been followed."""
-        again = self._followed == self._next - 1 and self._next in self._hurried
-        return (self._fallbacks[self._next],) if again else ()
+    def _wait_again(self) -> tuple[Intention, ...]:
+        """The next step's own fallback again, if it was scheduled without a dancer who has just come back."""
+        if self._followed != self._next - 1 or self._next not in self._hurried:
+            return ()
+        del self._hurried[self._next]
+        return (self._fallbacks[self._next],)
 
     def _settle(self) -> None:
         """The next step has its answer: nothing is to be done alone."""

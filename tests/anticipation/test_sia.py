@@ -128,6 +128,19 @@ def test_a_phrase_that_comes_early_as_a_whole_is_followed(following, story):
     assert [sent(one) for one in answers] == [[(ordinal, "dancer_1")] for ordinal in (4, 5, 6, 7)]
 
 
+def test_a_phrase_that_is_danced_alone_is_not_scheduled_twice(story):
+    early = np.array([0.0, 0.0, 0.0, 0.0, -1.5, -1.5, 0.0, 0.0, 0.0])
+    at = {"dancer_1": early, "dancer_2": early + 0.05, "dancer_3": early + 0.6}
+    following = story.Stage("sia").play(0, at).play(1, at)
+    following.begin(2)
+    for index, kind in enumerate((SF, TF, SB, TB)):
+        following.tell(story.event("dancer_1", 2, kind, story.nominal[index]))
+    following.wait(story.start_s(2) + following.after(2)[4])
+    alone = following.after(2)[5:8]
+    assert sent(following.wait(story.start_s(2) + following.after(2)[8])) == []
+    assert following.after(2)[5:8] == pytest.approx(alone)
+
+
 def test_nothing_is_expected_after_the_clap(following, story):
     for index, kind in enumerate((SF, TF, SB, TB, SF, TF, SB, TB, CLAP)):
         assert sent(following.tell(story.event("dancer_1", 2, kind, story.nominal[index]))) == [(index, "dancer_1")]
