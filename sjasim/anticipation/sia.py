@@ -79,15 +79,16 @@ class Sia(Scheduling):
     Only the next unresolved step is listened for. An early event of the followed dancer triggers it, else their
     regular event, within the window around the same dancer's time one iteration ago (the schedule's, where they
     lack it); what goes on from a step that was followed needs no window: a dancer who takes the whole phrase three
-    seconds early is followed through it. A clap has no early event. If the window closes
-    with neither, the scheduled command is used, at once if its time has passed, and the decision says ``fallback``.
-    If meanwhile a regular event shows that the dancer is past the step, a stop or turn falls back at once. A move that
-    is over when its stop is seen is made at once, as long as the schedule has it, if it will be over before the dancer
-    is expected to do the next thing; else it is passed over.
+    seconds early is followed through it. A clap has no early event. If the window closes with neither, the scheduled
+    command is used, at once if its time has passed, and the decision says ``fallback``. If meanwhile a regular event
+    shows that the dancer is past the step, a stop or turn falls back at once. A move that is over when its stop is seen
+    is made at once, as long as the schedule has it, if it will be over before the dancer is expected to do the next
+    thing; else it is passed over.
 
-    When a start falls back, its dancer has left out a whole phrase: the rest of it, to where the robot came from, is
-    scheduled at once, not each step at the close of its own window, which would leave no time before the turn; it is
-    made shorter if it would otherwise not be over in time.
+    A move back falls back in time to be over before the dancer is expected to do the next thing. When a start falls
+    back, its dancer has left out a whole phrase: the rest of it, to where the robot came from, is scheduled at once,
+    not each step at the close of its own window, which would leave no time before the turn; it is made shorter if it
+    would otherwise not be over in time. Whoever comes back is waited for again.
 
     Args:
         config: its options.
@@ -154,10 +155,15 @@ class Sia(Scheduling):
         self._start_s = self._brief.iteration_start_s[iteration]
         end = self._brief.window_end_s[iteration] - self._start_s
         self._close = np.minimum(self._reference + self._config.window_s, end)
-        for plan in intentions:
-            if self._brief.steps[plan.ordinal].kind is Kind.CLAP:
-                waited = plan.t_s - self._start_s + self._config.clap_wait_s
-                self._close[plan.ordinal] = min(self._close[plan.ordinal], waited)
+        for plan, then in zip(intentions, (*intentions[1:], None), strict=True):
+            step, latest = plan.ordinal, np.inf
+            kind = self._brief.steps[step].kind
+            if kind is Kind.CLAP:
+                latest = plan.t_s - self._start_s + self._config.clap_wait_s
+            elif kind in STARTS and kind not in FIRST and then is not None:
+                following = self._reference[step + 2 : step + 3]
+                latest = max(self._reference[step], following.min(initial=np.inf) - HOLD_S - (then.t_s - plan.t_s))
+            self._close[step] = min(self._close[step], latest)
         self._next, self._followed = 0, -2
         self._planned = intentions
         why = f"fallback: no event within {self._config.window_s:g} s of the time expected of {self._note}"
@@ -234,11 +240,13 @@ class Sia(Scheduling):
         return ordinal if distance <= self._config.window_s else None
 
     def _wait_again(self) -> tuple[Intention, ...]:
-        """The next step's own fallback again, if it was scheduled without a dancer who has just come back."""
+        """The own fallbacks again of all steps ahead that were scheduled without a dancer who has just come back."""
         if self._followed != self._next - 1 or self._next not in self._hurried:
             return ()
-        del self._hurried[self._next]
-        return (self._fallbacks[self._next],)
+        ahead = [step for step in self._hurried if step >= self._next]
+        for step in ahead:
+            del self._hurried[step]
+        return tuple(self._fallbacks[step] for step in ahead)
 
     def _settle(self) -> None:
         """The next step has its answer: nothing is to be done alone."""
