@@ -104,4 +104,5 @@ def signs_of_life(what: str) -> Iterator[Signs]:
 
 def compiling(begun: int) -> str:
     """What is said while functions are compiled."""
-    return f"compiling for this machine, the first time only ({begun} functions)"
+    functions = "1 function" if begun == 1 else f"{begun} functions"
+    return f"compiling for this machine, the first time only ({functions})"

@@ -22,7 +22,7 @@ def test_compiling_is_told_at_once_and_then_every_twenty_seconds(clock, capsys):
             clock[0] = float(second)
             told.dancing((second - 50) / 40)
     assert capsys.readouterr().err.splitlines() == [
-        "compiling for this machine, the first time only (1 functions)",
+        "compiling for this machine, the first time only (1 function)",
         "compiling for this machine, the first time only (21 functions)",
         "compiling for this machine, the first time only (41 functions)",
         "dancing (sia): 25 %",
