@@ -34,6 +34,7 @@ class Hooks:
     def __init__(self, name: str, method: Method) -> None:
         self._name = name
         self._method = method
+        self._cast: tuple[str, ...] = ()
 
     def reset(self, brief: Brief, rng: np.random.Generator) -> None:
         """Begin a dance.
@@ -41,6 +42,7 @@ class Hooks:
         Raises:
             HookError: the method's own code failed.
         """
+        self._cast = brief.cast
         self._call("reset", 0.0, (brief, rng))
 
     def ask(self, hook: str, told_s: float, given: tuple[object, ...]) -> Sequence[Answer]:
@@ -68,7 +70,7 @@ class Hooks:
         """Whom the robot follows: nobody if empty; None for everyone, or for a method that does not say.
 
         Raises:
-            PluginError: the answer is neither None nor a sequence of names.
+            PluginError: the answer is neither None nor a sequence of names of the cast.
             HookError: the method's own code failed.
         """
         if not isinstance(self._method, Follower):
@@ -78,6 +80,10 @@ class Hooks:
             return None
         if not isinstance(persons, tuple | list) or not all(isinstance(person, str) for person in persons):
             raise PluginError(f"{self._name}.follows returned {shortened(persons)}; a tuple of names or None is wanted")
+        if strangers := [person for person in persons if person not in self._cast]:
+            raise PluginError(
+                f"{self._name}.follows returned {strangers}; names among {', '.join(self._cast)} are wanted"
+            )
         return tuple(persons)
 
     def _call(self, hook: str, told_s: float, given: tuple[object, ...]) -> object:

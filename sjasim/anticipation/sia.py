@@ -161,8 +161,7 @@ class Sia(Scheduling):
             if kind is Kind.CLAP:
                 latest = plan.t_s - self._start_s + self._config.clap_wait_s
             elif kind in STARTS and kind not in FIRST and then is not None:
-                following = self._reference[step + 2 : step + 3]
-                latest = max(self._reference[step], following.min(initial=np.inf) - HOLD_S - (then.t_s - plan.t_s))
+                latest = max(self._reference[step], self._expected(step + 2) - HOLD_S - (then.t_s - plan.t_s))
             self._close[step] = min(self._close[step], latest)
         self._next, self._followed = 0, -2
         self._planned = intentions
@@ -202,7 +201,7 @@ class Sia(Scheduling):
             plan, before = self._planned[step.ordinal], self._planned[step.ordinal - 1]
             times.append(max(plan.t_s, times[-1] + (HOLD_S if step.kind in STARTS else plan.t_s - before.t_s)))
             rest.append(step.ordinal)
-        left_s = self._start_s + float(self._reference[rest[-1] + 1]) - HOLD_S - t_s
+        left_s = self._start_s + self._expected(begun + len(times)) - HOLD_S - t_s
         share = min(1.0, max(SHORTEST, left_s / (times[-1] - t_s)))
         hurried = [t_s + share * (time - t_s) for time in times[1:]]
         self._hurried.update(zip(rest, hurried, strict=True))
@@ -210,6 +209,10 @@ class Sia(Scheduling):
         return tuple(
             Intention(self._scheduled, ordinal, time, why) for ordinal, time in zip(rest, hurried, strict=True)
         )
+
+    def _expected(self, step: int) -> float:
+        """When the dancer is expected to do a step, after beat 0 [s]; after an iteration's last one nothing presses."""
+        return float(self._reference[step]) if step < len(self._reference) else np.inf
 
     def _choose(self, iteration: int) -> None:
         series = self._history.series(iteration)

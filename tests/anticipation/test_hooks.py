@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from sjasim.answers import Intention, Wake, Withdrawal
+from sjasim.answers import Brief, Intention, Wake, Withdrawal
 from sjasim.anticipation.hooks import Hooks
 from sjasim.anticipation.method import build
 from sjasim.errors import ConfigError, HookError, PluginError
@@ -90,11 +90,15 @@ def test_an_error_of_the_users_own_is_kept_and_named(mine):
 
 def test_who_is_followed_is_a_tuple_of_names(mine):
     hooks = Hooks("my:Mine", mine)
+    hooks.reset(Brief(("dancer_1", "dancer_2"), (), 1, 0.5, (0.0, 9.0), (9.0, 18.0)), np.random.default_rng(0))
     for said, meant in (((), ()), (None, None), (["dancer_1"], ("dancer_1",))):
         mine.answer = said
         assert hooks.follows(1, 2.0) == meant
     mine.answer = "dancer_1"
     with pytest.raises(PluginError, match=r"my:Mine.follows returned 'dancer_1'; a tuple of names"):
+        hooks.follows(1, 2.0)
+    mine.answer = ("dancer_1", "dancer_9")
+    with pytest.raises(PluginError, match=r"returned \['dancer_9'\]; names among dancer_1, dancer_2 are wanted"):
         hooks.follows(1, 2.0)
 
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from sjasim.answers import Intention, Withdrawal
+from sjasim.answers import Brief, Intention, Wake, Withdrawal
+from sjasim.anticipation.method import build
 from sjasim.anticipation.scheduling import LEAD_S
 from sjasim.anticipation.sia import HOLD_S
-from sjasim.types import (
-    Kind,
-)
+from sjasim.choreography.march import march
+from sjasim.types import Event, Kind
 
 TOGETHER = {"dancer_1": 0.0, "dancer_2": 0.05, "dancer_3": 0.6}
 SF, TF, SB, TB, CLAP, TURN = Kind
@@ -281,3 +281,21 @@ def test_a_new_leader_is_followed_from_the_close_of_the_window(story):
     # before beat 0 of iteration 3
     assert sent(stage.tell(story.event("dancer_2", 3, SF, -0.5, early=True))) == [(0, "dancer_2")]
     assert stage.tell(story.event("dancer_1", 3, TF, 2.0, early=True)) == []
+
+
+def test_a_dance_that_ends_with_a_move_is_danced_alone_to_its_end(story):
+    steps, starts = march().steps(), (4.0, 30.0, 60.0)
+    ends = tuple(start + 24.0 for start in starts)
+    method = build("sia")
+    method.reset(Brief(("dancer_1", "dancer_2"), steps, 2, 0.5, starts, ends), np.random.default_rng(0))
+    for iteration in (0, 1):
+        for step in steps:
+            for person in ("dancer_1", "dancer_2"):
+                t_s = starts[iteration] + 0.5 * step.beat
+                method.on_event(Event(person, step.kind, t_s, t_s + 0.02, False, iteration, "north"))
+        answers = method.on_iteration_end(iteration, ends[iteration])
+    wakes = sorted(answer.t_s for answer in answers if isinstance(answer, Wake))
+    last = [ordinal for ordinal, _ in sent(method.on_wake(wakes[-1]))] or [
+        ordinal for t_s in wakes for ordinal, _ in sent(method.on_wake(t_s))
+    ]
+    assert last[-1] == steps[-1].ordinal
