@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.table import Table
 
 from sjasim.config import BodyConfig
-from sjasim.movement import FULL_RANGE, collision, dance, figures, pushed, timed_moves
+from sjasim.simulation.motion_trials import FULL_RANGE, collision, dance, figures, pushed, timed_moves
 
 FREE = BodyConfig(FULL_RANGE.model, FULL_RANGE.stature_m, FULL_RANGE.mass_kg, tether="none")
 PUSH_NS = 20.0

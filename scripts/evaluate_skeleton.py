@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from sjasim.training import report, trials
-from sjasim.training.crossings import crossings, eclipses
-from sjasim.training.trials import Trial
+from sjasim.skeleton_training import report, trials
+from sjasim.skeleton_training.crossings import crossings, eclipses
+from sjasim.skeleton_training.trials import Trial
 
 CONDITIONS: dict[str, dict[str, Any]] = {
     "facing": {},

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sjasim.assets.names import JOINTS
-from sjasim.sensors.sight import LIMBS, TORSO
-from sjasim.training import trials
-from sjasim.training.trials import WARM_FRAMES, Outcome, Trial
-from sjasim.types import NOT_TRACKED, TRACKED
+from sjasim.core import NOT_TRACKED, TRACKED
+from sjasim.sensors.joint_occlusion import LIMBS, TORSO
+from sjasim.skeleton_training import trials
+from sjasim.skeleton_training.trials import WARM_FRAMES, Outcome, Trial
 
 SEED = 8760
 """Of the first dance; the evaluations' seeds are others."""

@@ -18,9 +18,9 @@ from PIL import Image, ImageDraw, ImageFont
 
 from sjasim.choreography.layout import layout
 from sjasim.config import DanceConfig, SessionConfig
-from sjasim.movement import FULL_RANGE, Rehearsal, figures
-from sjasim.render import Renderer
-from sjasim.types import Move
+from sjasim.core import Move
+from sjasim.simulation.motion_trials import FULL_RANGE, Rehearsal, figures
+from sjasim.simulation.rendering import Renderer
 
 DANCES = ("paper", "march", "waltz")
 PANEL = (640, 400)

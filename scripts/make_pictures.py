@@ -19,13 +19,13 @@ import sjasim  # noqa: F401 - chooses an offscreen OpenGL before anything loads 
 import numpy as np  # isort: skip
 from PIL import Image
 
-from sjasim.analysis.insight import insight
+from sjasim.analysis.delay_breakdown import insight
 from sjasim.config import SessionConfig
-from sjasim.film import captioned, lines, title
-from sjasim.record.rerun import save
-from sjasim.record.viewer import screenshot
-from sjasim.render import Renderer
-from sjasim.session import Session, run_session
+from sjasim.record.rerun.recording import save
+from sjasim.record.rerun.viewer import screenshot
+from sjasim.session.session import Session, run_session
+from sjasim.simulation.rendering import Renderer
+from sjasim.simulation.video import captioned, lines, title
 
 ITERATION = 1
 ROOM = (1280, 720)

@@ -14,8 +14,8 @@ import dataclasses
 import sys
 from pathlib import Path
 
-from sjasim.errors import SjasimError
-from sjasim.training.train import SMALL, Recipe, train
+from sjasim.core.errors import SjasimError
+from sjasim.skeleton_training.train import SMALL, Recipe, train
 
 HOME = Path(__file__).resolve().parents[1] / "sjasim" / "assets" / "skeleton.npz"
 

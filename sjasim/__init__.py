@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .analysis.calibration import fit_timing
-    from .analysis.measures import measures
+    from .analysis.calibration.event_table_fit import fit_timing
+    from .analysis.session_metrics import measures
     from .anticipation import synchrony
     from .config import SessionConfig
-    from .logs import SessionLog
-    from .recorded import detect_events
-    from .session import run_session
+    from .core.session_log import SessionLog
+    from .sensors.recordings.detect import detect_events
+    from .session.session import run_session
 
 __version__ = "0.1.0"
 
@@ -31,11 +31,11 @@ __all__ = [
 
 _PUBLIC = {
     "SessionConfig": (".config", "SessionConfig"),
-    "SessionLog": (".types", "SessionLog"),
-    "detect_events": (".recorded", "detect_events"),
-    "fit_timing": (".analysis.calibration", "fit_timing"),
-    "measures": (".analysis.measures", "measures"),
-    "run_session": (".session", "run_session"),
+    "SessionLog": (".core.session_log", "SessionLog"),
+    "detect_events": (".sensors.recordings.detect", "detect_events"),
+    "fit_timing": (".analysis.calibration.event_table_fit", "fit_timing"),
+    "measures": (".analysis.session_metrics", "measures"),
+    "run_session": (".session.session", "run_session"),
     "synchrony": (".anticipation.synchrony", None),
 }
 

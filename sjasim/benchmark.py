@@ -15,7 +15,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from . import cli
+from .commands.options import main, parse
 from .config import SessionConfig
 
 ABOUT = "What a session, a depth frame and an environment's step cost to compute, on this machine."
@@ -53,10 +53,10 @@ class Options:
 
 def command(arguments: Sequence[str]) -> None:
     """Measure and print."""
-    options = cli.parse(Options, arguments, Options(), "python -m sjasim.benchmark", ABOUT)
+    options = parse(Options, arguments, Options(), "python -m sjasim.benchmark", ABOUT)
     from sjasim_envs.profiling import profile_env, profile_workers
 
-    from .profiling import profile, profile_depth
+    from .simulation.profiling import profile, profile_depth
 
     sys.stderr.write("measuring sessions and their raw physics ...\n")
     config = SessionConfig(method=options.method, sensing="joints", seed=options.seed, iterations=options.iterations)
@@ -169,4 +169,4 @@ def _ratio(part: float | None, whole: float | None) -> float | None:
 
 
 if __name__ == "__main__":
-    sys.exit(cli.main(command))
+    sys.exit(main(command))

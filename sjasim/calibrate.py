@@ -14,12 +14,12 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from . import cli
+from .commands.options import counted, main, parse
 from .config import DanceConfig
 from .view import check_file
 
 if TYPE_CHECKING:
-    from .analysis.timing_fit import TimingFit
+    from .analysis.calibration.timing_fit import TimingFit
 
 ABOUT = "Fit coupling and noise of the human timing model to event tables or sessions' folders."
 
@@ -51,16 +51,16 @@ class Options:
 
 def command(arguments: Sequence[str]) -> None:
     """Read, fit, show, and keep what could be danced."""
-    options = cli.parse(Options, arguments, None, "python -m sjasim.calibrate", ABOUT)
+    options = parse(Options, arguments, None, "python -m sjasim.calibrate", ABOUT)
     if options.out is not None:
         check_file(options.out, options.overwrite)
-    from .analysis.calibration import as_toml, gather
-    from .analysis.timing_fit import fit_performances
+    from .analysis.calibration.event_table_fit import as_toml, gather
+    from .analysis.calibration.timing_fit import fit_performances
 
     dance = None if options.dance == DanceConfig() else options.dance
     data = gather(options.paths, dance, options.time == "music")
     if data.unused:
-        unused = f"{cli.counted(data.unused, 'event')} not used"
+        unused = f"{counted(data.unused, 'event')} not used"
         sys.stderr.write(f"{unused}: another of the same dancer is nearer to the same step\n")
     fit = fit_performances(data, coupling=options.coupling, noise=options.noise)
     (_print_json if options.json else _print_table)(fit)
@@ -78,7 +78,7 @@ def _print_json(fit: TimingFit) -> None:
 
 
 def _print_table(fit: TimingFit) -> None:
-    events, trials = cli.counted(fit.events, "event"), cli.counted(fit.performances, "performance")
+    events, trials = counted(fit.events, "event"), counted(fit.performances, "performance")
     console, table = Console(), Table()
     for name in ("parameter", "fitted", "95 % interval"):
         table.add_column(name, justify="left" if name == "parameter" else "right")
@@ -95,4 +95,4 @@ def _finite(plain: dict[str, float]) -> dict[str, float | None]:
 
 
 if __name__ == "__main__":
-    sys.exit(cli.main(command))
+    sys.exit(main(command))

@@ -14,11 +14,11 @@ import tyro
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from . import cli
+from .commands.options import config_from, main, parse
 from .config import SessionConfig
-from .config_io import to_plain
-from .errors import ConfigError
-from .record.whole import check_target, whole
+from .config.toml_file import to_plain
+from .core.errors import ConfigError
+from .record.atomic_folder import check_target, whole
 
 ABOUT = "How well joints are found, starts, stops and claps detected, and the robot obeys, over several sessions."
 
@@ -73,7 +73,7 @@ class Options:
 
 def command(arguments: Sequence[str]) -> None:
     """Parse, check, dance, judge, keep, show."""
-    options = cli.parse(Options, arguments, Options(cli.config_from(arguments)), "python -m sjasim.characterise", ABOUT)
+    options = parse(Options, arguments, Options(config_from(arguments)), "python -m sjasim.characterise", ABOUT)
     check_common(options.session, arguments)
     designs = options.designs()
     for design in designs:
@@ -110,7 +110,7 @@ def check(design: SessionConfig) -> None:
         SjasimError: a name is unknown or the layout does not fit.
     """
     from .choreography.layout import layout
-    from .registry import resolve
+    from .core.registry import resolve
 
     resolve("sensing", design.sensing)
     layout(design.layout, design.group, design.room, design.sensors)
@@ -118,12 +118,12 @@ def check(design: SessionConfig) -> None:
 
 def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:
     """Dance sessions and make characterise.json's content."""
-    from .analysis import joint_card, report_card
-    from .session import run_session, versions
+    from .analysis.accuracy import detection_accuracy, skeleton_accuracy
+    from .session.session import run_session, versions
 
-    seen: list[joint_card.Sighting] = []
-    found: list[report_card.Outcome] = []
-    done: list[report_card.Execution] = []
+    seen: list[skeleton_accuracy.Sighting] = []
+    found: list[detection_accuracy.Outcome] = []
+    done: list[detection_accuracy.Execution] = []
     minutes = dict.fromkeys((design.sensing for design in designs), 0.0)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
     with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True) as progress:
@@ -136,9 +136,9 @@ def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:
                 progress.update(task, completed=begun + share)
 
             log = run_session(design, report)
-            seen += joint_card.sightings(log)
-            found += report_card.outcomes(log)
-            done += report_card.executions(log)
+            seen += skeleton_accuracy.sightings(log)
+            found += detection_accuracy.outcomes(log)
+            done += detection_accuracy.executions(log)
             minutes[design.sensing] += design.group * log.cost["sim_s"] / 60.0
     return {
         "schema": 1,
@@ -146,11 +146,11 @@ def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:
         "sessions": [{"sensing": one.sensing, "layout": one.layout, "seed": one.seed} for one in designs],
         "versions": versions(),
         "config": to_plain(designs[0]),
-        "joints": joint_card.joint_rows(seen),
-        "detector": report_card.detector_rows(found),
-        "robot": report_card.robot_rows(done),
-        "quantiles": list(report_card.QUANTILES),
-        "distributions": report_card.distributions(found, minutes),
+        "joints": skeleton_accuracy.joint_rows(seen),
+        "detector": detection_accuracy.detector_rows(found),
+        "robot": detection_accuracy.robot_rows(done),
+        "quantiles": list(detection_accuracy.QUANTILES),
+        "distributions": detection_accuracy.distributions(found, minutes),
     }
 
 
@@ -206,4 +206,4 @@ def _cell(value: object) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(cli.main(command))
+    sys.exit(main(command))

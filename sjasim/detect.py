@@ -14,12 +14,12 @@ from typing import Annotated, Any
 
 import tyro
 
-from . import cli
+from .commands.options import counted, main, parse
 from .config import DetectorConfig
-from .errors import ConfigError
-from .mending import BRIDGE_S, SMOOTH_S, mended
-from .recorded import Detected, events_of, recording
-from .soundness import doubts
+from .core.errors import ConfigError
+from .sensors.recordings.detect import Detected, events_of, recording
+from .sensors.recordings.interpolation import BRIDGE_S, SMOOTH_S, mended
+from .sensors.recordings.validation import doubts
 
 ABOUT = (
     "Starts, stops and claps in recorded joints (CSV or Parquet), as an event table (CSV) that sjasim.calibrate takes: "
@@ -63,7 +63,7 @@ class Options:
 
 def command(arguments: Sequence[str]) -> None:
     """Read, mend, detect, print."""
-    options = cli.parse(Options, arguments, None, "python -m sjasim.detect", ABOUT)
+    options = parse(Options, arguments, None, "python -m sjasim.detect", ABOUT)
     from .record.joint_table import read_joints
 
     joints = mended(recording(*read_joints(options.joints)), options.bridge_s, options.smooth_s)
@@ -71,10 +71,10 @@ def command(arguments: Sequence[str]) -> None:
     rows = _rows(found, options)
     _tell(doubts(joints))
     if not found:
-        frames, persons = cli.counted(len(joints.t_s), "frame"), cli.counted(len(joints.persons), "person")
+        frames, persons = counted(len(joints.t_s), "frame"), counted(len(joints.persons), "person")
         _tell([f"no events in {frames} of {persons}"])
     if len(rows) < len(found):
-        _tell([f"left out: {cli.counted(len(found) - len(rows), 'event')} before the first iteration starts"])
+        _tell([f"left out: {counted(len(found) - len(rows), 'event')} before the first iteration starts"])
     if options.json:
         sys.stdout.write(json.dumps({"schema": 1, "events": rows}, indent=1) + "\n")
         return
@@ -101,4 +101,4 @@ def _tell(lines: Iterable[str]) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(cli.main(command))
+    sys.exit(main(command))

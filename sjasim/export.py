@@ -9,8 +9,8 @@ from pathlib import Path
 
 import tyro
 
-from . import cli
-from .errors import RecordError
+from .commands.options import main, parse
+from .core.errors import RecordError
 from .view import check_file
 
 ABOUT = "A session's folder as MCAP (ROS 2 messages: Foxglove, rosbags) or as CSV tables."
@@ -35,11 +35,11 @@ class Options:
 
 def command(arguments: Sequence[str]) -> None:
     """Check the targets, read the session, write what was asked for."""
-    options = cli.parse(Options, arguments, None, "python -m sjasim.export", ABOUT)
+    options = parse(Options, arguments, None, "python -m sjasim.export", ABOUT)
     if options.mcap is None and options.csv is None:
         raise RecordError("nothing to export: name --mcap FILE, --csv DIR, or both")
-    from .record.folder import read_summary
-    from .record.tables import COLUMN_TABLES, ROW_TYPES, save_csv
+    from .record.parquet import COLUMN_TABLES, ROW_TYPES, save_csv
+    from .record.session_folder import read_summary
 
     read_summary(options.folder)
     tables = [*ROW_TYPES, *COLUMN_TABLES]
@@ -50,8 +50,8 @@ def command(arguments: Sequence[str]) -> None:
             check_file(options.csv / f"{table}.csv", options.overwrite)
     if options.mcap is not None:
         check_file(options.mcap, options.overwrite)
-        from .record.readback import read_whole
-        from .record.ros import save_mcap
+        from .record.rerun.rrd_reader import read_whole
+        from .record.ros2.mcap_export import save_mcap
 
         count = save_mcap(read_whole(options.folder), options.mcap)
         sys.stderr.write(f"{count} messages in {options.mcap}\n")
@@ -61,4 +61,4 @@ def command(arguments: Sequence[str]) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(cli.main(command))
+    sys.exit(main(command))

@@ -15,14 +15,14 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from . import cli
 from .anticipation import method
+from .commands.options import config_from, main, parse
+from .commands.progress import signs_of_life
 from .config import SessionConfig
-from .config_io import to_plain
-from .errors import ConfigError
-from .logs import SessionLog
-from .record.insight import Insight
-from .signs import signs_of_life
+from .config.toml_file import to_plain
+from .core.errors import ConfigError
+from .core.session_log import SessionLog
+from .record.rerun.explanation import Insight
 
 ABOUT = "One dance session: dancers, sensors, server, robot; its figures as a table."
 
@@ -58,8 +58,8 @@ class Options:
 
 def command(arguments: Sequence[str]) -> None:
     """Parse, check what can be checked beforehand, dance, measure, keep, show."""
-    base = Options(cli.config_from(arguments))
-    options = cli.parse(Options, arguments, base, "python -m sjasim.run", ABOUT)
+    base = Options(config_from(arguments))
+    options = parse(Options, arguments, base, "python -m sjasim.run", ABOUT)
     options = trained(options)
     config = options.session
     if config.method != method.HUMANS_ONLY:
@@ -101,11 +101,11 @@ def check(options: Options) -> None:
     if options.log_depth and options.out is None:
         raise ConfigError("log_depth", True, "only with --out DIR, in whose recording the images are kept")
     if options.out is not None:
-        from .record.whole import check_target
+        from .record.atomic_folder import check_target
 
         check_target(options.out, options.overwrite)
     if options.video is not None:
-        from .film import check_writer
+        from .simulation.video import check_writer
         from .view import check_file
 
         if options.video.suffix != ".mp4":
@@ -144,18 +144,18 @@ class Audience:
     def prepare(self, session: Any) -> None:
         """Let them in, before the session begins."""
         if self._options.video is not None:
-            from .film import Film
+            from .simulation.video import Film
 
             film = self._film = Film(session, self._options.video)
             self._closing.callback(lambda: film.close(keep=False) if self._film is not None else None)
             session.world.watchers.append(film.tick)
         if self._options.log_depth:
-            from .depth_watch import DepthWatch
+            from .simulation.depth_recorder import DepthWatch
 
             self._depth = DepthWatch(session)
             session.world.watchers.append(self._depth.tick)
         if self._options.view:
-            from .record.live import Live
+            from .record.rerun.live_view import Live
 
             live = self._live = Live(self._options.session)
             self._closing.callback(live.close)
@@ -179,18 +179,18 @@ class Audience:
 
 def keep(log: SessionLog, options: Options, audience: Audience | None) -> Mapping[str, Any]:
     """Measure the session and write what was asked for; gives session.json's content."""
-    from .analysis.measures import measures
+    from .analysis.session_metrics import measures
 
     summary = measures(log).as_dict()
     if options.out is None and options.plots is None and audience is None:
         return summary
-    from .analysis.insight import insight
+    from .analysis.delay_breakdown import insight
 
     found = insight(log)
     if audience is not None:
         audience.finish(log, found)
     if options.out is not None:
-        from .record.folder import write
+        from .record.session_folder import write
 
         place = write(log, options.out, summary, insight=found, overwrite=options.overwrite)
         sys.stderr.write(f"kept in {place}\n")
@@ -212,8 +212,8 @@ def shown(summary: Mapping[str, Any], options: Options) -> None:
 
 def dance(config: SessionConfig, audience: Audience | None = None) -> SessionLog:
     """Run the session, and say on stderr how far it is."""
-    from .compiling import told
-    from .session import run_session
+    from .commands.compile_listener import told
+    from .session.session import run_session
 
     watched = {} if audience is None else {"prepare": audience.prepare}
     dancing = f"dancing ({config.method}, {config.sensing} sensing, seed {config.seed})"
@@ -280,4 +280,4 @@ def _number(value: float | None, digits: int = 3) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(cli.main(command))
+    sys.exit(main(command))

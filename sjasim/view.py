@@ -12,10 +12,10 @@ from typing import Any
 
 import tyro
 
-from . import cli
 from .choreography.timetable import timetable
-from .config_io import from_plain
-from .errors import ConfigError, RecordError
+from .commands.options import main, parse
+from .config.toml_file import from_plain
+from .core.errors import ConfigError, RecordError
 
 ABOUT = "Open a session's folder in rerun's viewer; two folders stand side by side on one time axis."
 
@@ -43,9 +43,9 @@ class Options:
 
 def command(arguments: Sequence[str]) -> None:
     """Check the folders, then open the viewer or take the picture."""
-    from .record.folder import read_summary
+    from .record.session_folder import read_summary
 
-    options = cli.parse(Options, arguments, None, "python -m sjasim.view", ABOUT)
+    options = parse(Options, arguments, None, "python -m sjasim.view", ABOUT)
     picture = options.screenshot
     folders = [options.folder, *([options.other] if options.other else [])]
     check_moment(options, [read_summary(folder) for folder in folders])
@@ -58,7 +58,7 @@ def command(arguments: Sequence[str]) -> None:
         if picture is None:
             _open(recording, options.bind)
             return
-        from .record.viewer import screenshot
+        from .record.rerun.viewer import screenshot
 
         for report in screenshot(recording, picture, moment if options.at is None else options.at):
             sys.stderr.write(f"{report}\n")
@@ -93,10 +93,10 @@ def prepared(folders: Sequence[Path], place: Path) -> tuple[Path, float]:
     Raises:
         RecordError: a folder is not a session's, or a recording is damaged.
     """
-    from .analysis.insight import insight
-    from .record.folder import read_summary
-    from .record.readback import RECORDING, chunks, read_whole
-    from .record.rerun import save_all
+    from .analysis.delay_breakdown import insight
+    from .record.rerun.recording import save_all
+    from .record.rerun.rrd_reader import RECORDING, chunks, read_whole
+    from .record.session_folder import read_summary
 
     configs = [from_plain(read_summary(folder)["config"]) for folder in folders]
     table = timetable(configs[0])
@@ -138,7 +138,7 @@ def check_file(path: Path, overwrite: bool) -> None:
 
 
 def _open(recording: Path, bind: str) -> None:
-    from .record.viewer import start
+    from .record.rerun.viewer import start
 
     process, _ = start(recording, bind=bind)
     sys.stderr.write("close the viewer, or press Ctrl-C, to end\n")
@@ -149,4 +149,4 @@ def _open(recording: Path, bind: str) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(cli.main(command))
+    sys.exit(main(command))

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from sjasim.benchmark import FIGURES, results, show
-from sjasim.profiling import Meter
+from sjasim.simulation.profiling import Meter
 
 PROFILE = {
     "sim_s": 100.0,

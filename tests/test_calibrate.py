@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 import sjasim
-from sjasim import calibrate, cli
-from sjasim.analysis.calibration import as_toml
+from sjasim import calibrate
+from sjasim.analysis.calibration.event_table_fit import as_toml
 from sjasim.choreography.timetable import timetable
+from sjasim.commands.options import main
 from sjasim.config import SessionConfig
-from sjasim.errors import ConfigError, PluginError, RecordError
-from sjasim.humans.parameters import read_parameters
-from sjasim.people import people
+from sjasim.core.errors import ConfigError, PluginError, RecordError
+from sjasim.humans.timing.parameters import read_parameters
+from sjasim.simulation.cast import people
 
 CONFIG = SessionConfig(humans="musicians", method="none")
 
@@ -39,7 +40,7 @@ def table(tmp_path):
 
 def test_a_fit_is_kept_as_a_preset_that_dances(table, tmp_path, capsys):
     out = tmp_path / "ours.toml"
-    assert cli.main(calibrate.command, [str(table), "--out", str(out)]) == 0
+    assert main(calibrate.command, [str(table), "--out", str(out)]) == 0
     said = capsys.readouterr()
     assert "timekeeper_s" in said.out
     assert "coupling" in said.out
@@ -49,12 +50,12 @@ def test_a_fit_is_kept_as_a_preset_that_dances(table, tmp_path, capsys):
     model = people(SessionConfig(humans=str(out)), timetable(CONFIG))
     model.begin(0, None, np.zeros(3))
     assert sum(len(own) for own in model.decide(0.0, ())) >= 12
-    assert cli.main(calibrate.command, [str(table), "--out", str(out)]) == 2
+    assert main(calibrate.command, [str(table), "--out", str(out)]) == 2
     assert "overwrite" in capsys.readouterr().err
 
 
 def test_the_fit_as_json_and_in_python_are_one(table, capsys):
-    assert cli.main(calibrate.command, [str(table), "--json", "--time", "free"]) == 0
+    assert main(calibrate.command, [str(table), "--json", "--time", "free"]) == 0
     told = json.loads(capsys.readouterr().out)
     fit = sjasim.fit_timing(table, music=False)
     assert told["schema"] == 1
@@ -68,7 +69,7 @@ def test_one_performance_has_a_lateness_without_an_interval(tmp_path, capsys):
     lines = [f"s,1,{who},clap,{t_s:.4f}" for t_s, who in sorted(rows)]
     path = tmp_path / "taps.csv"
     path.write_text("\n".join(["session,iteration,agent,kind,t_s", *lines]) + "\n")
-    assert cli.main(calibrate.command, [str(path), "--time", "free", "--json"]) == 0
+    assert main(calibrate.command, [str(path), "--time", "free", "--json"]) == 0
     estimates = json.loads(capsys.readouterr().out)["estimates"]
     assert estimates["late_s[1]"]["low"] is None
     assert 0.0 < estimates["timekeeper_s"]["high"] < 0.05
@@ -86,12 +87,12 @@ def test_a_fit_that_cannot_be_danced_is_shown_with_its_doubts_and_not_kept(tmp_p
         lines += [f"s,{iteration},{who},{kind},{t_s:.4f}" for t_s, who, kind in sorted(rows)]
     wild = tmp_path / "wild.csv"
     wild.write_text("\n".join(lines) + "\n")
-    assert cli.main(calibrate.command, [str(wild), "--coupling", "matrix"]) == 0
+    assert main(calibrate.command, [str(wild), "--coupling", "matrix"]) == 0
     said = capsys.readouterr()
     assert "coupling[1][2]" in said.out
     assert "warning: one session is too little" in said.err
     assert "warning: the fit makes no group that can dance" in said.err
-    assert cli.main(calibrate.command, [str(wild), "--coupling", "matrix", "--out", str(tmp_path / "w.toml")]) == 2
+    assert main(calibrate.command, [str(wild), "--coupling", "matrix", "--out", str(tmp_path / "w.toml")]) == 2
     said = capsys.readouterr()
     assert "coupling[1][2]" in said.out
     assert said.err.splitlines()[-1].startswith("error: the fit makes no group that can dance")
@@ -116,7 +117,7 @@ def test_bad_input_is_one_line(table, tmp_path, capsys):
         ([str(table), "--coupling", "some"], "coupling"),
         ([str(table), "--dance.bpm", "60"], "dance.bpm"),
     ):
-        assert cli.main(calibrate.command, arguments) == 2
+        assert main(calibrate.command, arguments) == 2
         said = capsys.readouterr().err
         assert says in said
         assert said.count("\n") == 1

@@ -6,11 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from sjasim import characterise, cli
-from sjasim.analysis import report_card
-from sjasim.analysis.report_card import ALL, BANDS, Execution, Outcome
+from sjasim import characterise
+from sjasim.analysis.accuracy import detection_accuracy
+from sjasim.analysis.accuracy.detection_accuracy import ALL, BANDS, Execution, Outcome
+from sjasim.commands.options import main
 from sjasim.config import RoomConfig, SessionConfig
-from sjasim.types import Kind
+from sjasim.core import Kind
 
 NAN = math.nan
 TINY = ("--iterations", "1", "--dance.no-rehearsal", "--sessions", "1", "--layouts", "rows", "--sensings", "joints")
@@ -28,7 +29,7 @@ FOUND = [
 
 def test_figures_by_hand():
     (row,) = [
-        row for row in report_card.detector_rows(FOUND)
+        row for row in detection_accuracy.detector_rows(FOUND)
         if (row["kind"], row["row"], row["occlusion"]) == ("clap", ALL, ALL)
     ]  # fmt: skip
     assert (row["n"], row["logged"], row["recall"], row["precision"]) == (4, 4, 0.75, 0.75)
@@ -37,14 +38,14 @@ def test_figures_by_hand():
 
 
 def test_rows_and_bands_sum_up():
-    rows = report_card.detector_rows(FOUND)
+    rows = detection_accuracy.detector_rows(FOUND)
     parts = {(row["row"], row["occlusion"]): row["n"] for row in rows if row["kind"] == "clap"}
     assert parts[ALL, ALL] == parts["front", ALL] + parts["back", ALL] == 4
     assert parts[ALL, ALL] == sum(parts.get((ALL, band), 0) for band in BANDS)
 
 
 def test_distributions_tell_misses_errors_and_inventions():
-    rows = {row["occlusion"]: row for row in report_card.distributions(FOUND, {"joints": 2.0})}
+    rows = {row["occlusion"]: row for row in detection_accuracy.distributions(FOUND, {"joints": 2.0})}
     assert rows["hidden"]["miss"] == 1.0
     assert rows["hidden"]["error_s"] is None
     assert rows["visible"]["miss"] == 0.0
@@ -54,7 +55,9 @@ def test_distributions_tell_misses_errors_and_inventions():
 
 
 def test_robot_rows_by_hand():
-    rows = report_card.robot_rows([Execution(Kind.TURN, 0.3), Execution(Kind.TURN, 0.5), Execution(Kind.TURN, NAN)])
+    rows = detection_accuracy.robot_rows(
+        [Execution(Kind.TURN, 0.3), Execution(Kind.TURN, 0.5), Execution(Kind.TURN, NAN)]
+    )
     assert [row["kind"] for row in rows] == ["turn", ALL]
     for row in rows:
         assert (row["delay_s"], row["jitter_s"]) == pytest.approx((0.4, 0.1))
@@ -63,7 +66,7 @@ def test_robot_rows_by_hand():
 
 def test_a_tiny_run_leaves_numbers_and_a_page(tmp_path, capsys):
     folder = tmp_path / "card"
-    assert cli.main(characterise.command, [*TINY, "--humans", "metronomic", "--out", str(folder), "--json"]) == 0
+    assert main(characterise.command, [*TINY, "--humans", "metronomic", "--out", str(folder), "--json"]) == 0
     card = json.loads((folder / "characterise.json").read_text())
     assert json.loads(capsys.readouterr().out) == card
     whole = [row for row in card["detector"] if not row["early"] and (row["row"], row["occlusion"]) == (ALL, ALL)]
@@ -82,7 +85,7 @@ def test_a_tiny_run_leaves_numbers_and_a_page(tmp_path, capsys):
     page = (folder / "characterise.md").read_text()
     assert "| start_forward" in page
     assert "| astray" in page
-    assert cli.main(characterise.command, [*TINY, "--out", str(folder)]) == 2
+    assert main(characterise.command, [*TINY, "--out", str(folder)]) == 2
     said = capsys.readouterr().err
     assert "--overwrite" in said
     assert str(folder) in said
@@ -112,7 +115,7 @@ def test_own_slots_are_those_of_the_custom_layout():
     ],
 )
 def test_bad_input_is_one_line(capsys, arguments, words):
-    assert cli.main(characterise.command, list(arguments)) == 2
+    assert main(characterise.command, list(arguments)) == 2
     said = capsys.readouterr().err
     assert words in said
     assert said.count("\n") == 1

@@ -6,7 +6,7 @@ import pytest
 
 from sjasim import config
 from sjasim.config import FAULTS, BodyConfig, FaultConfig, SessionConfig, StageConfig
-from sjasim.errors import ConfigError
+from sjasim.core.errors import ConfigError
 
 ROOMS = [field.name for field in dataclasses.fields(SessionConfig) if dataclasses.is_dataclass(field.default)]
 

@@ -10,12 +10,13 @@ import re
 import numpy as np
 import pytest
 
-from sjasim import calibrate, cli, detect
+from sjasim import calibrate, detect
 from sjasim.assets.names import JOINT_INDEX, JOINTS
-from sjasim.recorded import recording
-from sjasim.soundness import doubts
+from sjasim.commands.options import main
+from sjasim.sensors.recordings.detect import recording
+from sjasim.sensors.recordings.validation import doubts
 
-from .recordings import Flaws, record
+from .sensors.recordings.scripted_recordings import Flaws, record
 
 STILL = Flaws(bias_m=0.0, drift_m=0.0, white_m=0.001, away_s=(0.0, 0.0))
 
@@ -32,7 +33,7 @@ def write(path, times, joints):
 
 
 def run(capsys, *arguments: str):
-    code = cli.main(detect.command, arguments)
+    code = main(detect.command, arguments)
     said = capsys.readouterr()
     return code, said.out, said.err
 
@@ -51,7 +52,7 @@ def test_the_table_is_one_that_calibrate_takes(file, tmp_path, capsys):
     assert all((row["t_onset_s"] == "") == (row["early"] == "True") for row in rows)
     table = tmp_path / "events.csv"
     table.write_text(out)
-    assert cli.main(calibrate.command, [str(table), "--time", "free", "--json"]) == 0
+    assert main(calibrate.command, [str(table), "--time", "free", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["agents"] == ["1", "2"]
 
 

@@ -8,9 +8,10 @@ import types
 
 import pytest
 
-from sjasim import benchmark, cli, run
+from sjasim import benchmark, run
+from sjasim.commands.options import main
 from sjasim.config import DanceConfig, SessionConfig
-from sjasim.config_io import from_plain, to_plain, to_toml
+from sjasim.config.toml_file import from_plain, to_plain, to_toml
 
 from .analysis.synthetic import session
 from .anticipation.policies import write
@@ -27,14 +28,14 @@ def danced(monkeypatch):
         robot = config.method != "none"
         return session(config.method, config.seed, config.iterations, robot=robot, joints=False)
 
-    fake = types.ModuleType("sjasim.session")
+    fake = types.ModuleType("sjasim.session.session")
     fake.run_session = run_session
-    monkeypatch.setitem(sys.modules, "sjasim.session", fake)
-    profiling = types.ModuleType("sjasim.profiling")
+    monkeypatch.setitem(sys.modules, "sjasim.session.session", fake)
+    profiling = types.ModuleType("sjasim.simulation.profiling")
     figures = {"sim_s": 90.0, "cpu_s": 4.5, "raw_cpu_s": 3.0, "room_cpu_s": {"planning": 0.09}}
     profiling.profile = lambda config: figures
     profiling.profile_depth = lambda config: {"depth_sim_s": 30.0, "depth_cpu_s": 6.0}
-    monkeypatch.setitem(sys.modules, "sjasim.profiling", profiling)
+    monkeypatch.setitem(sys.modules, "sjasim.simulation.profiling", profiling)
     environments = types.ModuleType("sjasim_envs.profiling")
     environments.profile_env = lambda: {"env_steps": 900, "env_cpu_s": 1.5, "env_raw_cpu_s": 1.2}
     environments.profile_workers = lambda: {"async_steps_per_s": (500.0, 900.0)}
@@ -43,7 +44,7 @@ def danced(monkeypatch):
 
 
 def call(*arguments):
-    return cli.main(run.command, arguments)
+    return main(run.command, arguments)
 
 
 def test_a_table_by_default(danced, capsys):
@@ -105,9 +106,9 @@ def test_a_request_to_end_removes_what_is_half_written(danced, monkeypatch, tmp_
             closing.callback(draft.unlink)
             run.command(arguments)
 
-    monkeypatch.setattr(sys.modules["sjasim.session"], "run_session", asked_to_end)
+    monkeypatch.setattr(sys.modules["sjasim.session.session"], "run_session", asked_to_end)
     with pytest.raises(SystemExit) as end:
-        cli.main(command, [])
+        main(command, [])
     assert end.value.code == 143
     assert list(tmp_path.iterdir()) == []
     assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
@@ -178,14 +179,14 @@ def test_ctrl_c_gives_130_and_leaves_nothing(danced, monkeypatch, tmp_path, caps
     def interrupted(config, progress=None):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules["sjasim.session"], "run_session", interrupted)
+    monkeypatch.setattr(sys.modules["sjasim.session.session"], "run_session", interrupted)
     assert call("--out", str(tmp_path / "one")) == 130
     assert list(tmp_path.iterdir()) == []
 
 
 def test_the_benchmark_names_every_figure(danced, capsys, monkeypatch):
     monkeypatch.setattr(benchmark, "import_s", lambda: 0.1)
-    assert cli.main(benchmark.command, ["--json"]) == 0
+    assert main(benchmark.command, ["--json"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert set(report["figures"]) == set(benchmark.FIGURES)
     assert report["figures"]["session_cost_ratio_joints"] == 1.5
@@ -198,4 +199,4 @@ def test_the_benchmark_names_every_figure(danced, capsys, monkeypatch):
     assert report["figures"]["depth_frame_cpu_s"] is None
     assert report["room_ms_per_frame"]["planning"] == pytest.approx(0.09 / 90 / 30 * 1000)
     assert {"machine", "versions", "command"} <= set(report)
-    assert cli.main(benchmark.command, []) == 0
+    assert main(benchmark.command, []) == 0

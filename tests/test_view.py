@@ -5,17 +5,18 @@ import os
 import numpy as np
 import pytest
 
-from sjasim import cli, export, view
-from sjasim.analysis.insight import insight
-from sjasim.analysis.measures import measures
-from sjasim.record import folder, whole
+from sjasim import export, view
+from sjasim.analysis.delay_breakdown import insight
+from sjasim.analysis.session_metrics import measures
+from sjasim.commands.options import main
+from sjasim.record import atomic_folder, session_folder
 
 from .analysis.synthetic import session
-from .record.test_rerun import with_skeletons
+from .record.rerun.test_recording import with_skeletons
 
 pytest.importorskip("rerun")
 
-from sjasim.record.readback import RECORDING, chunks, read_whole
+from sjasim.record.rerun.rrd_reader import RECORDING, chunks, read_whole
 
 NEEDS_VIEWER = pytest.mark.skipif(
     os.environ.get("SJASIM_VIEWER") != "1",
@@ -31,7 +32,7 @@ def log():
 @pytest.fixture(scope="module")
 def kept(log, tmp_path_factory):
     target = tmp_path_factory.mktemp("runs") / "one"
-    return folder.write(log, target, measures(log).as_dict(), insight=insight(log))
+    return session_folder.write(log, target, measures(log).as_dict(), insight=insight(log))
 
 
 @pytest.fixture
@@ -46,7 +47,7 @@ def damaged(kept, tmp_path):
 
 def refused(capsys, command, *arguments):
     """The one line that a command says when it refuses."""
-    assert cli.main(command, [str(word) for word in arguments]) == 2
+    assert main(command, [str(word) for word in arguments]) == 2
     heard = capsys.readouterr()
     assert heard.out == ""
     assert heard.err.startswith("error: ")
@@ -70,7 +71,7 @@ def test_two_sessions_share_one_axis(kept, tmp_path):
 
 
 def test_a_folder_without_a_recording_gets_one(log, tmp_path):
-    bare = folder.write(log, tmp_path / "bare", measures(log).as_dict(), recording=False)
+    bare = session_folder.write(log, tmp_path / "bare", measures(log).as_dict(), recording=False)
     recording, moment = view.prepared([bare], tmp_path)
     assert recording != bare / RECORDING
     assert "/world/dancer_1/name" in {entity for entity, _ in chunks(recording)}
@@ -115,7 +116,7 @@ def test_a_folder_that_is_none_is_named_first(tmp_path, capsys):
 
 
 def test_csv_holds_the_tables(log, kept, tmp_path, capsys):
-    assert cli.main(export.command, [str(kept), "--csv", str(tmp_path / "csv")]) == 0
+    assert main(export.command, [str(kept), "--csv", str(tmp_path / "csv")]) == 0
     lines = (tmp_path / "csv" / "events.csv").read_text().splitlines()
     assert lines[0] == '"session","agent","kind","t_s","t_arrival_s","early","iteration","source"'
     assert [float(line.split(",")[3]) for line in lines[1:]] == [event.t_s for event in log.events]
@@ -134,15 +135,15 @@ def test_export_wants_to_know_what(kept, capsys):
 
 
 def test_an_earlier_session_is_replaced_only_on_request(log, kept, tmp_path):
-    target = folder.write(log, tmp_path / "one", measures(log).as_dict(), recording=False)
-    with pytest.raises(folder.RecordError, match="--overwrite"):
-        whole.check_target(target)
-    folder.write(log, target, {**measures(log).as_dict(), "again": 1}, recording=False, overwrite=True)
-    assert folder.read_summary(target)["again"] == 1
+    target = session_folder.write(log, tmp_path / "one", measures(log).as_dict(), recording=False)
+    with pytest.raises(session_folder.RecordError, match="--overwrite"):
+        atomic_folder.check_target(target)
+    session_folder.write(log, target, {**measures(log).as_dict(), "again": 1}, recording=False, overwrite=True)
+    assert session_folder.read_summary(target)["again"] == 1
     assert [path.name for path in tmp_path.iterdir()] == ["one"]
     (target / "session.json").unlink()
-    with pytest.raises(folder.RecordError, match="something else"):
-        whole.check_target(target, overwrite=True)
+    with pytest.raises(session_folder.RecordError, match="something else"):
+        atomic_folder.check_target(target, overwrite=True)
 
 
 @pytest.mark.parametrize("at", ["-1", "107", "nan"])
@@ -158,21 +159,21 @@ def test_a_viewer_that_dies_after_its_first_answer_says_why(monkeypatch, words, 
     import subprocess
     import sys
 
-    from sjasim.record import viewer
+    from sjasim.record.rerun import viewer
 
     def dying(headless, size, log):
         return subprocess.Popen([sys.executable, "-c", f"print({words!r})"], stdout=log), "nowhere"
 
     monkeypatch.setattr(viewer, "start", dying)
     monkeypatch.setattr(viewer, "answering", lambda *given: None)
-    with pytest.raises(folder.RecordError, match=says), viewer.running():
+    with pytest.raises(session_folder.RecordError, match=says), viewer.running():
         raise ConnectionError("transport error")
 
 
 @pytest.mark.slow
 @NEEDS_VIEWER
 def test_the_viewer_draws_every_view_without_a_display(kept, tmp_path):
-    from sjasim.record.viewer import screenshot
+    from sjasim.record.rerun.viewer import screenshot
 
     assert screenshot(kept / RECORDING, tmp_path / "a.png", 30.0) == []
     assert (tmp_path / "a.png").stat().st_size > 50_000
@@ -184,9 +185,9 @@ def test_a_live_session_reaches_a_viewer_that_only_this_machine_can_reach(log):
     import psutil
     import rerun as rr
 
-    from sjasim.config_io import from_plain
-    from sjasim.record.live import Live
-    from sjasim.record.viewer import answering
+    from sjasim.config.toml_file import from_plain
+    from sjasim.record.rerun.live_view import Live
+    from sjasim.record.rerun.viewer import answering
 
     live = Live(from_plain(log.config), headless=True)
     try:
@@ -206,7 +207,7 @@ def test_nothing_heavy_is_loaded_before_it_is_needed():
     import subprocess
     import sys
 
-    names = "sjasim.run, sjasim.view, sjasim.export, sjasim.session, sjasim.analysis.insight"
+    names = "sjasim.run, sjasim.view, sjasim.export, sjasim.session.session, sjasim.analysis.delay_breakdown"
     heavy = ("rerun", "matplotlib", "mcap_ros2", "imageio_ffmpeg", "PIL")
     probe = f"import sys, {names}; print([name for name in {heavy!r} if name in sys.modules])"
     answer = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)

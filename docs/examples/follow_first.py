@@ -8,10 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sjasim.answers import Answer, Brief, Intention
-from sjasim.types import (
-    Event,
-)
+from sjasim.core import Event
+from sjasim.core.method_io import Answer, Brief, Intention
 
 
 @dataclass(frozen=True)

@@ -14,23 +14,20 @@ import numpy as np
 from gymnasium import error, spaces
 from numpy.typing import NDArray
 
-from sjasim.answers import Answer, Brief
-from sjasim.anticipation.features import MOVES
 from sjasim.anticipation.method import HUMANS_ONLY, build
+from sjasim.anticipation.observation import MOVES
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
-from sjasim.config_io import from_plain
-from sjasim.errors import SjasimError
-from sjasim.humans.body import body_model
-from sjasim.people import people
-from sjasim.render import Renderer
-from sjasim.session import Session
-from sjasim.types import (
-    Event,
-    Move,
-)
-from sjasim.window import Window
+from sjasim.config.toml_file import from_plain
+from sjasim.core import Event, Move
+from sjasim.core.errors import SjasimError
+from sjasim.core.method_io import Answer, Brief
+from sjasim.humans.body.mjcf import body_model
+from sjasim.session.session import Session
+from sjasim.simulation.cast import people
+from sjasim.simulation.rendering import Renderer
+from sjasim.simulation.viewer_window import Window
 
 from .observation import Observer
 from .reward import RewardConfig, Scorer

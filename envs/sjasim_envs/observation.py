@@ -10,10 +10,10 @@ from gymnasium import spaces
 from numba import njit
 from numpy.typing import NDArray
 
-from sjasim.anticipation.features import EARLIEST, LATEST_S, MOVES, OLDEST_S, PERIODS, Features, Row, tell
+from sjasim.anticipation.observation import EARLIEST, LATEST_S, MOVES, OLDEST_S, PERIODS, Features, Row, tell
 from sjasim.config import SessionConfig
-from sjasim.session import Session
-from sjasim.types import SYNCHRONY_KINDS, Array, IntArray, Move, MoveCommand, RobotState, Skeletons
+from sjasim.core import SYNCHRONY_KINDS, Array, IntArray, Move, MoveCommand, RobotState, Skeletons
+from sjasim.session.session import Session
 
 REACH_M = 20.0
 """Bound of every position [m]: no sensor reaches farther."""

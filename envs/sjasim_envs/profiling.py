@@ -10,7 +10,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AsyncVectorEnv
 
-from sjasim.profiling import Bare, Meter, instrument
+from sjasim.simulation.profiling import Bare, Meter, instrument
 
 OPTIONS: dict[str, Any] = {"iterations": 1, "dance": {"rehearsal": False}, "sensing": "joints"}
 """Of every environment that is measured."""

@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from gymnasium import error
 
-from sjasim.analysis.group import together
-from sjasim.anticipation.appropriateness import ideal_times
-from sjasim.anticipation.features import iteration_at
-from sjasim.anticipation.history import nominal_times
-from sjasim.logs import AgentEvent
-from sjasim.session import Session
-from sjasim.types import Array, Event, Kind
+from sjasim.analysis.group_metrics import together
+from sjasim.anticipation.event_history import nominal_times
+from sjasim.anticipation.observation import iteration_at
+from sjasim.anticipation.timing_appropriateness import ideal_times
+from sjasim.core import Array, Event, Kind
+from sjasim.core.session_log import AgentEvent
+from sjasim.session.session import Session
 
 NOTHING = dict.fromkeys([f"reward_{term}" for term in ("timing", "missed", "spurious", "collision", "drift")], 0.0)
 """What a step earns in which nothing happens, by the names that ``info`` uses."""

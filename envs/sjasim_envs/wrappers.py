@@ -8,9 +8,9 @@ import gymnasium as gym
 import numpy as np
 from gymnasium import error, spaces
 
-from sjasim.anticipation.features import Row
 from sjasim.anticipation.learned import Steps
-from sjasim.session import Session
+from sjasim.anticipation.observation import Row
+from sjasim.session.session import Session
 
 PARTS = ("beat", "command", "event_age", "iteration", "last_iteration")
 

@@ -13,12 +13,12 @@ from ..assets.colours import dancer_colour
 from ..choreography.score import Timetable
 from ..choreography.timetable import timetable
 from ..config import SessionConfig
-from ..config_io import from_plain
-from ..errors import RecordError
-from ..logs import SessionLog
-from ..record.insight import STAGES, Graph, Insight
-from ..types import ROBOT, Array, Kind, Move, dancer_name
-from .onsets import dancer_events, robot_events
+from ..config.toml_file import from_plain
+from ..core import ROBOT, Array, Kind, Move, dancer_name
+from ..core.errors import RecordError
+from ..core.session_log import SessionLog
+from ..record.rerun.explanation import STAGES, Graph, Insight
+from .ground_truth_events import dancer_events, robot_events
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..answers import Answer, Brief, Intention
-from ..errors import ConfigError
-from ..registry import register
-from ..types import Event
-from .appropriateness import EPSILON_S
-from .history import History
-from .scheduling import LEAD_S, Scheduling
+from ..core import Event
+from ..core.errors import ConfigError
+from ..core.method_io import Answer, Brief, Intention
+from ..core.registry import register
+from .event_history import History
+from .scheduled_method import LEAD_S, Scheduling
+from .timing_appropriateness import EPSILON_S
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,16 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..answers import Answer, Brief, Intention, Wake
-from ..errors import ConfigError
-from ..registry import register
-from ..types import (
-    Array,
-    Event,
-    Kind,
-    Move,
-)
-from .features import MOVES, Features, iteration_at
+from ..core import Array, Event, Kind, Move
+from ..core.errors import ConfigError
+from ..core.method_io import Answer, Brief, Intention, Wake
+from ..core.registry import register
+from .observation import MOVES, Features, iteration_at
 
 _MOVE = {
     Kind.START_FORWARD: Move.FORWARD,

@@ -36,10 +36,10 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from ..answers import Answer, Brief
-from ..errors import ConfigError, HookError, PluginError, SjasimError, UnknownNameError
-from ..registry import resolve
-from ..types import Event
+from ..core import Event
+from ..core.errors import ConfigError, HookError, PluginError, SjasimError, UnknownNameError
+from ..core.method_io import Answer, Brief
+from ..core.registry import resolve
 
 HUMANS_ONLY = "none"
 """What stands in a method's place in a session without a robot."""

@@ -10,15 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..answers import Answer, Brief, Intention, Wake, Withdrawal
-from ..errors import ConfigError
-from ..registry import register
-from ..types import Array, Event, Kind
-from .appropriateness import EPSILON_S
+from ..core import Array, Event, Kind
+from ..core.errors import ConfigError
+from ..core.method_io import Answer, Brief, Intention, Wake, Withdrawal
+from ..core.registry import register
 from .eca import scheduled
-from .history import History
-from .scheduling import LEAD_S, Scheduling
+from .event_history import History
+from .scheduled_method import LEAD_S, Scheduling
 from .synchrony import most_synchronous
+from .timing_appropriateness import EPSILON_S
 
 STARTS = (Kind.START_FORWARD, Kind.START_BACKWARD)
 FIRST = (Kind.START_FORWARD, Kind.CLAP)

@@ -16,8 +16,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ConfigError
-from ..types import ROBOT, Array, IntArray, Kind
+from ..core import ROBOT, Array, IntArray, Kind
+from ..core.errors import ConfigError
 
 Series = tuple[Sequence[float] | Array, Sequence[str]]
 """One agent's events: times [s] and, of the same length, kinds."""

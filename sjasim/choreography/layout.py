@@ -8,8 +8,8 @@ import numpy as np
 
 from ..assets.names import CARDINALS
 from ..config import RoomConfig, SensorConfig
-from ..errors import ConfigError
-from ..types import Array
+from ..core import Array
+from ..core.errors import ConfigError
 
 APART_M = 0.75
 """Neighbours in a ring stand at least so far apart [m] (assumed)."""

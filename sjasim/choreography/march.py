@@ -5,7 +5,7 @@ The phrasing is assumed; it keeps the period of the paper's moves, so that both 
 
 from __future__ import annotations
 
-from ..registry import register
+from ..core.registry import register
 from .phrases import to_and_fro
 from .score import Choreography
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..types import Move
+from ..core import Move
 from .score import ScoreMove
 
 TURN_BEATS = 3.5

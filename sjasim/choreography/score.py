@@ -8,9 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..answers import Step
-from ..tempo import TempoMap
-from ..types import Kind, Move
+from ..core import Kind, Move
+from ..core.method_io import Step
+from ..core.tempo import TempoMap
 
 MOVE_EVENTS = {
     Move.FORWARD: (Kind.START_FORWARD, Kind.STOP_FORWARD),

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ..config import SessionConfig
-from ..errors import PluginError
-from ..registry import resolve
-from ..tempo import TempoMap
+from ..core.errors import PluginError
+from ..core.registry import resolve
+from ..core.tempo import TempoMap
 from .score import Choreography, Timetable
 
 

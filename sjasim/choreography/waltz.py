@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from ..registry import register
+from ..core.registry import register
 from .phrases import clap_and_turn, to_and_fro
 from .score import Choreography
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from ..errors import ConfigError
+from ..core.errors import ConfigError
 from .checks import one_of, within
 from .faults import FaultConfig
 from .network import ClockConfig, NetworkConfig, SynchronyConfig

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import RecordError
-from ..logs import TableEvent
-from ..types import Kind, Move
+from ..core import Kind, Move
+from ..core.errors import RecordError
+from ..core.session_log import TableEvent
 
 COLUMNS = ("session", "iteration", "agent", "kind", "t_s")
 CUE_COLUMNS = ("dancer", "move", "iteration", "t_s", "duration_s")

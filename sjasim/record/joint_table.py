@@ -19,9 +19,9 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
-from ..errors import RecordError
-from ..logs import natural_order
-from ..types import INFERRED, NOT_TRACKED, TRACKED, Array, BoolArray, IntArray, RecordedJoints
+from ..core import INFERRED, NOT_TRACKED, TRACKED, Array, BoolArray, IntArray, RecordedJoints
+from ..core.errors import RecordError
+from ..core.session_log import natural_order
 from .event_table import separator
 
 COLUMNS = ("t_s", "person", "joint", "x_m", "y_m", "z_m")

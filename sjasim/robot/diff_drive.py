@@ -7,7 +7,7 @@ import math
 from numba import njit
 
 from ..config import RobotConfig
-from ..types import WheelCommand
+from ..core import WheelCommand
 
 Pose = tuple[float, float, float]
 """x [m], y [m] of the axle's middle, and heading [rad], counter-clockwise and never wrapped."""

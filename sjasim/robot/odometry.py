@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from ..config import RobotConfig
-from ..types import Array, Kind, RobotState, WheelReading
+from ..core import Array, Kind, RobotState, WheelReading
 from .diff_drive import Pose, moved
 
 MOVING_M_S = 0.002 * 50

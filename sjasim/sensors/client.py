@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..choreography.layout import Mount
-from ..clock import DeviceClock, Task, Ticks
 from ..config import DetectorConfig, SensorConfig
-from ..types import (
+from ..core import (
     ClientOrder,
     ClientStatus,
     DeviceEvent,
@@ -24,9 +23,10 @@ from ..types import (
     SyncReply,
     SyncRequest,
 )
-from .aside import AsideDetectors
-from .detectors import Detectors
-from .glimpse import report
+from ..core.clock import DeviceClock, Task, Ticks
+from .events.detectors import Detectors
+from .events.frame_features import report
+from .events.side_view_claps import AsideDetectors
 
 ROUNDING_S = 1e-9
 """How much later than its time an output still counts as on time [s]."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from ..types import SyncReply
+from ..core import SyncReply
 
 BUCKET = 8
 """Exchanges among which the quickest is kept: 2 s at 4 Hz."""

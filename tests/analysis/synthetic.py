@@ -8,18 +8,9 @@ from sjasim.anticipation.synchrony import most_synchronous
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
-from sjasim.config_io import to_plain
-from sjasim.logs import AgentEvent, Decision, Followed, Notice, SessionLog
-from sjasim.types import (
-    ROBOT,
-    Cue,
-    DeviceEvent,
-    Event,
-    Kind,
-    Move,
-    MoveCommand,
-    dancer_name,
-)
+from sjasim.config.toml_file import to_plain
+from sjasim.core import ROBOT, Cue, DeviceEvent, Event, Kind, Move, MoveCommand, dancer_name
+from sjasim.core.session_log import AgentEvent, Decision, Followed, Notice, SessionLog
 
 RAMP_S = 0.25
 CRUISE_M_S = 0.25

@@ -2,8 +2,8 @@
 
 import pytest
 
-from sjasim.analysis.insight import insight
-from sjasim.errors import RecordError
+from sjasim.analysis.delay_breakdown import insight
+from sjasim.core.errors import RecordError
 
 from .synthetic import session
 

@@ -5,15 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sjasim.answers import Brief, Intention, Wake
 from sjasim.anticipation.method import build
 from sjasim.choreography.paper import paper
 from sjasim.choreography.score import Timetable
-from sjasim.tempo import TempoMap
-from sjasim.types import (
-    Event,
-    Kind,
-)
+from sjasim.core import Event, Kind
+from sjasim.core.method_io import Brief, Intention, Wake
+from sjasim.core.tempo import TempoMap
 
 CAST = ("dancer_1", "dancer_2", "dancer_3")
 TIMETABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)

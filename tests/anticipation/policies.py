@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from sjasim.anticipation.features import MOVES, Features
-from sjasim.server.dispatch import MOVES as MOVE_OF
+from sjasim.anticipation.observation import MOVES, Features
+from sjasim.server.dispatcher import MOVES as MOVE_OF
 
 from ..contracts.test_anticipation import STEPS, brief
 

@@ -6,16 +6,13 @@ import itertools
 import numpy as np
 import pytest
 
-from sjasim.answers import Intention, Wake, Withdrawal
-from sjasim.anticipation.features import MOVES, Features
 from sjasim.anticipation.learned import LEEWAY_BEATS, Network, Steps
 from sjasim.anticipation.method import build
-from sjasim.errors import ConfigError
-from sjasim.server.dispatch import MOVES as MOVE_OF
-from sjasim.types import (
-    Event,
-    Kind,
-)
+from sjasim.anticipation.observation import MOVES, Features
+from sjasim.core import Event, Kind
+from sjasim.core.errors import ConfigError
+from sjasim.core.method_io import Intention, Wake, Withdrawal
+from sjasim.server.dispatcher import MOVES as MOVE_OF
 
 from ..contracts.test_anticipation import STEPS, brief
 from .policies import WIDTH, write

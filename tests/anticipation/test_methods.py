@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sjasim.answers import Intention
-from sjasim.anticipation.scheduling import LEAD_S
+from sjasim.anticipation.scheduled_method import LEAD_S
+from sjasim.core.method_io import Intention
 
 AT = {"dancer_1": 0.2, "dancer_2": 0.3, "dancer_3": 0.4}
 

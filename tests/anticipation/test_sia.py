@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from sjasim.answers import Brief, Intention, Wake, Withdrawal
 from sjasim.anticipation.method import build
-from sjasim.anticipation.scheduling import LEAD_S
+from sjasim.anticipation.scheduled_method import LEAD_S
 from sjasim.anticipation.sia import HOLD_S
 from sjasim.choreography.march import march
-from sjasim.types import Event, Kind
+from sjasim.core import Event, Kind
+from sjasim.core.method_io import Brief, Intention, Wake, Withdrawal
 
 TOGETHER = {"dancer_1": 0.0, "dancer_2": 0.05, "dancer_3": 0.6}
 SF, TF, SB, TB, CLAP, TURN = Kind

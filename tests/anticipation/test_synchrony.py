@@ -17,8 +17,8 @@ from sjasim.anticipation.synchrony import (
     pair_index,
     pair_synchrony,
 )
-from sjasim.errors import ConfigError, SjasimError
-from sjasim.types import Kind
+from sjasim.core import Kind
+from sjasim.core.errors import ConfigError, SjasimError
 
 SF, TF, SB, TB, CLAP, TURN = Kind
 FULL = ([0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0], [SF, TF, SB, TB, SF, TF, SB, TB, CLAP])

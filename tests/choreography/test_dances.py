@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from sjasim.choreography.score import MOVE_EVENTS, Timetable
-from sjasim.humans.timing import SHORTEST_HOLD_S, SHORTEST_MOVE_S
-from sjasim.registry import names, resolve
-from sjasim.tempo import TempoMap
-from sjasim.types import Kind, Move
+from sjasim.core import Kind, Move
+from sjasim.core.registry import names, resolve
+from sjasim.core.tempo import TempoMap
+from sjasim.humans.timing.ensemble import SHORTEST_HOLD_S, SHORTEST_MOVE_S
 
 from ..humans.dancing import builds, paper_floor
 

@@ -7,7 +7,7 @@ import pytest
 
 from sjasim.choreography.layout import layout
 from sjasim.config import RoomConfig, SensorConfig
-from sjasim.errors import ConfigError
+from sjasim.core.errors import ConfigError
 
 
 def room(name: str, group: int, **options):

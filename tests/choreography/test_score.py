@@ -8,8 +8,8 @@ from sjasim.choreography.paper import paper
 from sjasim.choreography.score import Timetable
 from sjasim.choreography.timetable import timetable
 from sjasim.config import DanceConfig, SessionConfig
-from sjasim.errors import ConfigError, PluginError, UnknownNameError
-from sjasim.tempo import TempoMap
+from sjasim.core.errors import ConfigError, PluginError, UnknownNameError
+from sjasim.core.tempo import TempoMap
 
 BEAT_S = 60 / 118
 

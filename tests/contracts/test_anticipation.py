@@ -6,17 +6,13 @@ import math
 import numpy as np
 import pytest
 
-from sjasim import registry
-from sjasim.answers import Brief, Intention, Wake, Withdrawal
 from sjasim.anticipation.method import Method, build
 from sjasim.choreography.paper import paper
 from sjasim.choreography.score import Timetable
-from sjasim.errors import ConfigError, PluginError, UnknownNameError
-from sjasim.tempo import TempoMap
-from sjasim.types import (
-    Event,
-    Kind,
-)
+from sjasim.core import Event, Kind, registry
+from sjasim.core.errors import ConfigError, PluginError, UnknownNameError
+from sjasim.core.method_io import Brief, Intention, Wake, Withdrawal
+from sjasim.core.tempo import TempoMap
 
 STEPS = paper().steps()
 TIMETABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)

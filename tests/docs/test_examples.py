@@ -18,15 +18,15 @@ from sjasim_envs.dance import OPTIONS
 from sjasim_envs.reward import RewardConfig
 from sjasim_envs.wrappers import Told
 
-from sjasim import cli
-from sjasim.answers import Brief, Intention
 from sjasim.anticipation import method
 from sjasim.choreography.timetable import timetable
+from sjasim.commands.options import main
 from sjasim.config import FAULTS, SessionConfig
-from sjasim.config_io import from_plain, to_plain
-from sjasim.errors import SjasimError
-from sjasim.people import people
-from sjasim.record.tables import write_rows
+from sjasim.config.toml_file import from_plain, to_plain
+from sjasim.core.errors import SjasimError
+from sjasim.core.method_io import Brief, Intention
+from sjasim.record.parquet import write_rows
+from sjasim.simulation.cast import people
 
 from ..analysis.synthetic import session
 
@@ -175,7 +175,7 @@ def test_the_readmes_participants_are_fitted_and_dance(tmp_path, monkeypatch, ca
     commands = [(name, arguments) for name, arguments in commands if name in ("calibrate", "run")]
     assert [name for name, _ in commands] == ["calibrate", "run", "run"]
     for name, arguments in commands:
-        ended = cli.main(importlib.import_module(f"sjasim.{name}").command, arguments.split())
+        ended = main(importlib.import_module(f"sjasim.{name}").command, arguments.split())
         said = capsys.readouterr().err
         assert (ended, "enough" in said) == ((2, True) if name == "run" else (0, False)), said
     assert [len(cues) for cues in danced] == [18, 18]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from sjasim.anticipation.features import MOVES
-from sjasim.server.dispatch import MOVES as MOVE_OF
+from sjasim.anticipation.observation import MOVES
+from sjasim.server.dispatcher import MOVES as MOVE_OF
 
 FAST = {"iterations": 1, "dance": {"rehearsal": False}}
 """The shortest dance there is: 25 s."""

@@ -21,9 +21,9 @@ from sjasim_envs.dance import DanceEnv
 from sjasim_envs.wrappers import InOrder, Told
 
 import sjasim
-from sjasim import registry
-from sjasim.analysis.measures import measures
-from sjasim.anticipation.features import MOVES, Features
+from sjasim.analysis.session_metrics import measures
+from sjasim.anticipation.observation import MOVES, Features
+from sjasim.core import registry
 
 from .dancers import FAST, dance, leave_be
 
@@ -59,7 +59,7 @@ def test_its_rendering_passes_too(monkeypatch):
 def test_importing_sjasim_registers_the_ids_and_loads_nothing_heavy():
     probe = (
         "import sys, sjasim, gymnasium; print(all(i in gymnasium.registry for i in "
-        f"{IDS!r}), [m for m in ('mujoco', 'sjasim_envs.dance', 'sjasim.session') if m in sys.modules])"
+        f"{IDS!r}), [m for m in ('mujoco', 'sjasim_envs.dance', 'sjasim.session.session') if m in sys.modules])"
     )
     answer = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
     assert answer.stdout.strip() == "True []"

@@ -12,15 +12,12 @@ import pytest
 from gymnasium import error
 from sjasim_envs.reward import RewardConfig, Scorer
 
-from sjasim.answers import Brief
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
-from sjasim.logs import AgentEvent
-from sjasim.types import (
-    Event,
-    Kind,
-)
+from sjasim.core import Event, Kind
+from sjasim.core.method_io import Brief
+from sjasim.core.session_log import AgentEvent
 
 from .dancers import Oracle, dance, idle, leave_be
 

@@ -7,20 +7,20 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sjasim.analysis.onsets import claps, moves
+from sjasim.analysis.ground_truth_events import claps, moves
 from sjasim.choreography.layout import layout
 from sjasim.choreography.score import MOVE_EVENTS, Choreography, Timetable
 from sjasim.config import BodyConfig, RobotConfig, RoomConfig, SensorConfig, StageConfig
-from sjasim.humans.anatomy import Anatomy, Build, anatomy
-from sjasim.humans.balance import Balance, BalanceGains
-from sjasim.humans.motion import Planner
-from sjasim.humans.reference import Reference
-from sjasim.ledger import Ledger
-from sjasim.registry import resolve
-from sjasim.stage import Stage
-from sjasim.tempo import TempoMap
-from sjasim.turns import DancersTurn
-from sjasim.types import Array, Cue, Kind, Move, dancer_name
+from sjasim.core import Array, Cue, Kind, Move, dancer_name
+from sjasim.core.registry import resolve
+from sjasim.core.tempo import TempoMap
+from sjasim.humans.body.anatomy import Anatomy, Build, anatomy
+from sjasim.humans.motion.balance_controller import Balance, BalanceGains
+from sjasim.humans.motion.planner import Planner
+from sjasim.humans.motion.reference_trajectory import Reference
+from sjasim.simulation.control_loop import DancersTurn
+from sjasim.simulation.physics import Stage
+from sjasim.simulation.recorder import Ledger
 
 HZ = StageConfig().balance_hz
 TICKS = StageConfig().rate_hz // HZ

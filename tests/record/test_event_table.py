@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from sjasim.errors import RecordError
-from sjasim.logs import natural_order
+from sjasim.core import Cue, Kind, Move
+from sjasim.core.errors import RecordError
+from sjasim.core.session_log import natural_order
 from sjasim.record.event_table import read_event_table
-from sjasim.record.tables import save_csv, write_rows
-from sjasim.types import Cue, Kind, Move
+from sjasim.record.parquet import save_csv, write_rows
 
 HEAD = "session,iteration,agent,kind,t_s\n"
 

@@ -7,7 +7,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from sjasim.errors import RecordError
+from sjasim.core.errors import RecordError
 from sjasim.record.joint_table import read_joints
 
 HEAD = "t_s,person,joint,x_m,y_m,z_m\n"

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from sjasim.assets.names import FLOOR_BIT, ROBOT_PREFIX
-from sjasim.clock import Task, Ticks
 from sjasim.config import RobotConfig, StageConfig
-from sjasim.robot.body import robot_spec
+from sjasim.core import Kind, Move, MoveCommand, RobotState, WheelReading
+from sjasim.core.clock import Task, Ticks
+from sjasim.robot.base_controller import Executor
 from sjasim.robot.diff_drive import wheel_command
-from sjasim.robot.executor import Executor
+from sjasim.robot.mjcf import robot_spec
 from sjasim.robot.odometry import Odometry, RobotEventDetector
-from sjasim.types import Kind, Move, MoveCommand, RobotState, WheelReading
 
 HEARTBEAT_S = 0.2
 RATE_HZ = StageConfig().rate_hz

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sjasim.config import RobotConfig
+from sjasim.core import WheelCommand
 from sjasim.robot.diff_drive import body_rates, moved, wheel_command
-from sjasim.types import WheelCommand
 
 CONFIG = RobotConfig()
 TRACK = CONFIG.track_m

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from sjasim.config import RobotConfig
+from sjasim.core import Kind, RobotState, WheelReading
 from sjasim.robot.odometry import Odometry, RobotEventDetector
-from sjasim.types import Kind, RobotState, WheelReading
 
 CONFIG = RobotConfig()
 RADIUS, TRACK = CONFIG.wheel_radius_m, CONFIG.track_m

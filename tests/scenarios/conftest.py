@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from sjasim.analysis.measures import measures
+from sjasim.analysis.session_metrics import measures
 from sjasim.config import DanceConfig, FaultConfig, SessionConfig
-from sjasim.session import run_session
+from sjasim.session.session import run_session
 
 SHORT = SessionConfig(
     method="eca", humans="metronomic", sensing="joints", iterations=1, dance=DanceConfig(rehearsal=False)

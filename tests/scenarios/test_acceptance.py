@@ -7,11 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sjasim.analysis.measures import measures
-from sjasim.analysis.onsets import dancer_events
+from sjasim.analysis.ground_truth_events import dancer_events
+from sjasim.analysis.session_metrics import measures
 from sjasim.choreography.timetable import timetable
 from sjasim.config import NetworkConfig, SessionConfig
-from sjasim.session import run_session
+from sjasim.session.session import run_session
 
 pytestmark = pytest.mark.slow
 

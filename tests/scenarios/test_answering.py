@@ -3,19 +3,15 @@
 import numpy as np
 import pytest
 
-from sjasim.answers import Brief
 from sjasim.anticipation.method import build
 from sjasim.choreography.layout import layout
 from sjasim.choreography.paper import paper
 from sjasim.choreography.score import Timetable
 from sjasim.config import SessionConfig
+from sjasim.core import Event, Kind, Move
+from sjasim.core.method_io import Brief
+from sjasim.core.tempo import TempoMap
 from sjasim.server import Dispatcher
-from sjasim.tempo import TempoMap
-from sjasim.types import (
-    Event,
-    Kind,
-    Move,
-)
 
 CONFIG = SessionConfig()
 TIMETABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)

@@ -4,7 +4,8 @@ import os
 
 import pytest
 
-from sjasim import cli, run
+from sjasim import run
+from sjasim.commands.options import main
 
 BAD = {
     "unknown method": (["--method", "sai"], "sia"),
@@ -38,7 +39,7 @@ def here(tmp_path):
 
 def refused(arguments, capfd):
     """What a refused command line says."""
-    assert cli.main(run.command, arguments) == 2
+    assert main(run.command, arguments) == 2
     heard = capfd.readouterr()
     assert heard.out == ""
     (line,) = heard.err.splitlines()
@@ -76,7 +77,7 @@ def test_an_error_in_a_users_own_hook_keeps_its_traceback(tmp_path, monkeypatch,
     )
     (tmp_path / "of_mine.py").write_text(f"class Broken:\n{hooks}")
     monkeypatch.syspath_prepend(tmp_path)
-    assert cli.main(run.command, ["--method", "of_mine:Broken", "--sensing", "joints", "--iterations", "1"]) == 2
+    assert main(run.command, ["--method", "of_mine:Broken", "--sensing", "joints", "--iterations", "1"]) == 2
     first, *rest = [line for line in capfd.readouterr().err.splitlines() if line]
     assert first.startswith(
         "error: of_mine:Broken.on_iteration_start failed at session time 4.000 s: ZeroDivisionError"

@@ -3,7 +3,7 @@
 import pytest
 
 from sjasim.config import NetworkConfig
-from sjasim.types import ROBOT
+from sjasim.core import ROBOT
 
 from .conftest import dance, heard_of
 

@@ -4,11 +4,11 @@ from collections import Counter
 
 import pytest
 
-from sjasim.analysis.onsets import dancer_events
+from sjasim.analysis.ground_truth_events import dancer_events
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
-from sjasim.session import run_session
-from sjasim.types import Kind
+from sjasim.core import Kind
+from sjasim.session.session import run_session
 
 from .conftest import dance
 

@@ -6,7 +6,7 @@ import math
 import pytest
 
 from sjasim.config import DanceConfig
-from sjasim.movement import FULL_RANGE, collision, dance, figures, pushed
+from sjasim.simulation.motion_trials import FULL_RANGE, collision, dance, figures, pushed
 
 DANCE = DanceConfig(rehearsal=False)
 

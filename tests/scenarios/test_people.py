@@ -4,8 +4,8 @@ import pytest
 
 from sjasim.choreography.timetable import timetable
 from sjasim.config import DanceConfig
-from sjasim.config_io import from_plain
-from sjasim.types import Move
+from sjasim.config.toml_file import from_plain
+from sjasim.core import Move
 
 from .conftest import dance, heard_of
 

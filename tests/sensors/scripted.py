@@ -9,13 +9,13 @@ import numpy as np
 
 from sjasim.assets.names import JOINT_INDEX, JOINTS
 from sjasim.choreography.layout import Mount, layout
-from sjasim.clock import DeviceClock, stream
 from sjasim.config import DetectorConfig, RoomConfig, SensorConfig
-from sjasim.rays.hiding import shapes
-from sjasim.rays.primitives import SPHERE
+from sjasim.core import ClientOrder, DeviceEvent, Kind, Solids
+from sjasim.core.clock import DeviceClock, stream
 from sjasim.sensors.client import Client
-from sjasim.sensors.joints import JointsSensing
-from sjasim.types import ClientOrder, DeviceEvent, Kind, Solids
+from sjasim.sensors.joint_sensing import JointsSensing
+from sjasim.sensors.raycast.occlusion import shapes
+from sjasim.sensors.raycast.primitives import SPHERE
 
 ONSET_M_S = 0.10
 

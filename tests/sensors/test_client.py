@@ -7,9 +7,9 @@ import math
 import pytest
 
 from sjasim.choreography.layout import layout
-from sjasim.clock import DeviceClock
 from sjasim.config import RoomConfig, SensorConfig
-from sjasim.types import ClientOrder, ClientStatus, DeviceEvent, SyncReply, SyncRequest
+from sjasim.core import ClientOrder, ClientStatus, DeviceEvent, SyncReply, SyncRequest
+from sjasim.core.clock import DeviceClock
 
 from .scripted import FRAME_HZ, NORTH, PLACES, Script, ScriptedView, Walk, client, dancers
 

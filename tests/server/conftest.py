@@ -10,11 +10,11 @@ from sjasim.assets.names import CARDINALS
 from sjasim.choreography.layout import layout
 from sjasim.choreography.paper import paper
 from sjasim.choreography.score import Timetable
-from sjasim.clock import DeviceClock
 from sjasim.config import SessionConfig
+from sjasim.core import ClientOrder, ClientStatus, DeviceEvent, Kind, PersonStatus, SyncReply, SyncRequest
+from sjasim.core.clock import DeviceClock
+from sjasim.core.tempo import TempoMap
 from sjasim.server import Server
-from sjasim.tempo import TempoMap
-from sjasim.types import ClientOrder, ClientStatus, DeviceEvent, Kind, PersonStatus, SyncReply, SyncRequest
 
 CONFIG = SessionConfig()
 LAYOUT = layout("square", 3, CONFIG.room, CONFIG.sensors)

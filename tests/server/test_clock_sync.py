@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from sjasim.clock import DeviceClock
+from sjasim.core import SyncReply
+from sjasim.core.clock import DeviceClock
 from sjasim.server.clock_sync import ClockSync
-from sjasim.types import SyncReply
 
 
 def exchanges(seed, clock, sync, *, extra_s=0.0, until_s=60.0, loss=0.05, jitter_s=0.005):

@@ -1,0 +1,1 @@
+"""How accurate skeletons and detected events are."""

@@ -1,0 +1,1 @@
+"""Fitting the human timing model to recorded groups."""

@@ -1,0 +1,47 @@
+"""Methods that bracket the others: what can be had without perceiving anyone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..core.errors import ConfigError
+from ..core.method_io import Answer, Intention
+from ..core.registry import register
+from .scheduled_method import LEAD_S, Scheduling
+
+
+@dataclass(frozen=True, slots=True)
+class MetronomeConfig:
+    """Options of the metronome.
+
+    Attributes:
+        lead_s: how long before its beat a command is sent; larger makes the robot earlier.
+    """
+
+    lead_s: float = LEAD_S
+
+    def __post_init__(self) -> None:
+        if not -2.0 <= self.lead_s <= 10.0:
+            raise ConfigError("metronome.lead_s", self.lead_s, "seconds from -2 to 10")
+
+
+@register("anticipation", "metronome", config=MetronomeConfig)
+class Metronome(Scheduling):
+    """The robot dances the score to the music and perceives nobody.
+
+    Args:
+        config: its options.
+    """
+
+    def __init__(self, config: MetronomeConfig = MetronomeConfig()) -> None:
+        self._config = config
+
+    def _schedule(self, iteration: int) -> Sequence[Answer]:
+        return tuple(
+            Intention(
+                iteration, step.ordinal, self._brief.time_s(iteration, step.beat) - self._config.lead_s,
+                f"beat {step.beat:g}",
+            )
+            for step in self._brief.steps
+        )  # fmt: skip

@@ -1,0 +1,1 @@
+"""What command-line faces share: options, progress, result tables."""

@@ -1,0 +1,169 @@
+"""Configuration to and from plain data and TOML; a wrong file is refused by naming the field and what is allowed."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import json
+import tomllib
+import types
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Union, get_args, get_origin, get_type_hints
+
+from ..core.errors import ConfigError
+from . import SessionConfig
+
+WORDS = {int: "a whole number", float: "a number", bool: "true or false", str: "a string"}
+"""What a field of a plain type accepts, in words."""
+
+
+def to_plain(config: SessionConfig) -> dict[str, object]:
+    """The configuration as dicts, lists, strings and numbers: what JSON and TOML can hold."""
+    plain = _plain(config)
+    assert isinstance(plain, dict)
+    return plain
+
+
+def from_plain(data: Mapping[str, object], base: SessionConfig | None = None) -> SessionConfig:
+    """Make a configuration from plain data.
+
+    Args:
+        data: any of `SessionConfig`'s fields, rooms as nested mappings; what is absent keeps the base's value.
+        base: what absent fields are taken from; the defaults if None.
+
+    Raises:
+        ConfigError: a key is unknown or a value has the wrong type or is out of range; the message names the field.
+    """
+    config = _updated(base or SessionConfig(), data, "")
+    assert isinstance(config, SessionConfig)
+    return config
+
+
+def read_toml(path: str | Path, base: SessionConfig | None = None) -> SessionConfig:
+    """Read a configuration file; fields that it does not mention keep the base's value.
+
+    Raises:
+        ConfigError: the file cannot be read, is not TOML, or holds a wrong field.
+    """
+    try:
+        data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError("config", str(path), f"a readable TOML file ({error.strerror or error})") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError("config", str(path), f"a TOML file ({error})") from error
+    return from_plain(data, base)
+
+
+def to_toml(config: SessionConfig) -> str:
+    """The configuration as TOML text that `read_toml` turns back into an equal value."""
+    return "\n".join(_toml_lines(to_plain(config), "")).lstrip("\n") + "\n"
+
+
+def _plain(value: object) -> object:
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value
+
+
+def _updated(base: Any, data: object, path: str) -> Any:
+    """A copy of a config dataclass with the given fields replaced; ``path`` is its dotted name, "" at the root."""
+    if not isinstance(data, Mapping):
+        raise ConfigError(path or "config", data, "a table of fields")
+    hints = get_type_hints(type(base) if not isinstance(base, type) else base)
+    prefix = f"{path}." if path else ""
+    changes: dict[str, object] = {}
+    for key, value in data.items():
+        if key not in hints:
+            raise ConfigError(f"{prefix}{key}", value, _known(str(key), tuple(hints)))
+        current = None if isinstance(base, type) else getattr(base, key)
+        changes[key] = _parsed(hints[key], value, current, f"{prefix}{key}")
+    if not isinstance(base, type):
+        return dataclasses.replace(base, **changes)
+    for field in dataclasses.fields(base):
+        if field.name not in changes and field.default is field.default_factory is dataclasses.MISSING:
+            raise ConfigError(prefix + field.name, None, "it must be given")
+    return base(**changes)
+
+
+def _parsed(hint: Any, value: object, current: object, path: str) -> object:
+    """The value as the annotated type, or a ConfigError that names the field."""
+    origin, arguments = get_origin(hint), get_args(hint)
+    if dataclasses.is_dataclass(hint):
+        return _updated(hint if current is None else current, value, path)
+    if origin is tuple:
+        return _parsed_tuple(arguments, value, path)
+    if origin in (Union, types.UnionType):
+        return _parsed_union(arguments, value, path)
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        if not isinstance(value, Mapping):
+            raise ConfigError(path, value, "a table")
+        return {str(key): _parsed(arguments[1], item, None, f"{path}.{key}") for key, item in value.items()}
+    if hint is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if hint in WORDS and type(value) is not hint:
+        raise ConfigError(path, value, WORDS[hint])
+    return value
+
+
+def _parsed_union(arguments: tuple[Any, ...], value: object, path: str) -> object:
+    if type(value) in arguments or (value is None and type(None) in arguments):
+        return value
+    raise ConfigError(path, value, " or ".join(WORDS.get(item, str(item)) for item in arguments))
+
+
+def _parsed_tuple(arguments: tuple[Any, ...], value: object, path: str) -> tuple[object, ...]:
+    if not isinstance(value, list | tuple):
+        raise ConfigError(path, value, "a list")
+    if len(arguments) == 2 and arguments[1] is Ellipsis:
+        arguments = (arguments[0],) * len(value)
+    if len(arguments) != len(value):
+        raise ConfigError(path, value, f"a list of {len(arguments)}")
+    return tuple(
+        _parsed(hint, item, None, f"{path}[{index}]")
+        for index, (hint, item) in enumerate(zip(arguments, value, strict=True))
+    )
+
+
+def _known(key: str, known: tuple[str, ...]) -> str:
+    close = difflib.get_close_matches(key, known, n=1)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    return f"no such field; {hint}known are {', '.join(known)}"
+
+
+def _toml_lines(table: Mapping[str, object], path: str) -> list[str]:
+    """Lines of one table: its plain values first, then its tables, then its lists of tables."""
+    tables = {key: value for key, value in table.items() if isinstance(value, Mapping)}
+    lists = {key: value for key, value in table.items() if isinstance(value, list) and _is_tables(value)}
+    lines = [f"{_toml_key(key)} = {_toml(value)}" for key, value in table.items() if key not in {**tables, **lists}]
+    for key, inner in tables.items():
+        name = path + _toml_key(key)
+        lines += ["", f"[{name}]", *_toml_lines(inner, f"{name}.")]
+    for key, items in lists.items():
+        name = path + _toml_key(key)
+        for item in items:
+            lines += ["", f"[[{name}]]", *_toml_lines(item, f"{name}.")]
+    return lines
+
+
+def _is_tables(value: list[object]) -> bool:
+    return bool(value) and all(isinstance(item, Mapping) for item in value)
+
+
+def _toml_key(key: str) -> str:
+    bare = key.isascii() and key.replace("_", "a").replace("-", "a").isalnum()
+    return key if bare else _toml(key)
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return f"[{', '.join(_toml(item) for item in value)}]"
+    return repr(value)

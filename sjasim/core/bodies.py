@@ -1,0 +1,164 @@
+"""What goes to the stage and comes from it: cues, targets, states, and what others may see of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Protocol
+
+from .vocabulary import Array, IntArray, Kind, Move
+
+
+@dataclass(frozen=True, slots=True)
+class Cue:
+    """One move that a dancer is going to perform, at the time it will really happen.
+
+    Attributes:
+        dancer: who.
+        move: FORWARD, BACKWARD, CLAP or TURN.
+        iteration: 0 for the rehearsal, then 1, 2, ...
+        ordinal: place of the move's first event among the iteration's events, from 0.
+        beat: nominal beat of the move inside its iteration.
+        t_s: when SpineBase's speed crosses the onset speed (moves), the palms meet (clap), or the turn begins.
+        duration_s: until the speed falls through the onset speed again; 0 for a clap.
+    """
+
+    dancer: str
+    move: Move
+    iteration: int
+    ordinal: int
+    beat: float
+    t_s: float
+    duration_s: float
+
+    def events(self) -> tuple[tuple[Kind, float], ...]:
+        """The events that the move gives rise to, with their times; a turn follows a clap and gives none."""
+        if self.move is Move.FORWARD:
+            return ((Kind.START_FORWARD, self.t_s), (Kind.STOP_FORWARD, self.t_s + self.duration_s))
+        if self.move is Move.BACKWARD:
+            return ((Kind.START_BACKWARD, self.t_s), (Kind.STOP_BACKWARD, self.t_s + self.duration_s))
+        return ((Kind.CLAP, self.t_s),) if self.move is Move.CLAP else ()
+
+    def delayed(self, by_s: float) -> Cue:
+        """The same cue, later."""
+        return replace(self, t_s=self.t_s + by_s)
+
+
+class DancerStates(NamedTuple):
+    """The state of every dancer at one tick: what the balance controller feels, and what is logged beside it.
+
+    Attributes:
+        rows: (D, 36) centre of mass [m] and its velocity [m/s]; pelvis x, y, z [m], yaw, pitch (forward positive),
+            roll [rad], and their rates; left and right ankle [m]; left and right hand [m]; the tether's force x, y [N]
+            and torque yaw, pitch, roll [Nm], 0 without one; what the floor carries [N].
+    """
+
+    rows: Array
+
+    @property
+    def root(self) -> Array:
+        """(D, 6) pelvis x, y, z [m], yaw, pitch, roll [rad]."""
+        return self.rows[:, 6:12]
+
+    @property
+    def ankles(self) -> Array:
+        """(D, 2, 3) left and right ankle [m]."""
+        return self.rows[:, 18:24].reshape(-1, 2, 3)
+
+    @property
+    def hands(self) -> Array:
+        """(D, 2, 3) centres of the left and the right hand [m]."""
+        return self.rows[:, 24:30].reshape(-1, 2, 3)
+
+    @property
+    def tether(self) -> Array:
+        """(D, 5) force x, y [N] and torque yaw, pitch, roll [Nm]."""
+        return self.rows[:, 30:35]
+
+    @property
+    def load(self) -> Array:
+        """(D,) what the floor carries of each [N]; see `Stage.feel`."""
+        return self.rows[:, 35]
+
+
+@dataclass(frozen=True, slots=True)
+class Servos:
+    """The dancers' actuators as the balance controller needs to know them.
+
+    Attributes:
+        stiffness: (D, 25) of the hinge servos [Nm/rad].
+        lead: (D, 25) damping over stiffness: the feed-forward time of a target's rate [s].
+        root_lead: (D, 5) the same for the tether; 0 without one [s].
+        weight: (D,) body weight [N].
+        leg: (D,) thigh and shank together [m].
+    """
+
+    stiffness: Array
+    lead: Array
+    root_lead: Array
+    weight: Array
+    leg: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Geoms:
+    """The primitives that a stage consists of, at one instant: all that light would meet.
+
+    Attributes:
+        form: (G,) 0 plane, 2 sphere, 3 capsule, 4 ellipsoid, 5 cylinder, 6 box, as MuJoCo numbers them.
+        size_m: (G, 3) as MuJoCo means it: radius, then half the length; semi-axes; half edges.
+        position_m: (G, 3) centres in the world.
+        rotation: (G, 3, 3) world from geom; the third axis is a plane's normal, a capsule's and cylinder's axis.
+        owner: (G,) the dancer's index; -1 for anything else: floor, robot.
+    """
+
+    form: IntArray
+    size_m: Array
+    position_m: Array
+    rotation: Array
+    owner: IntArray
+
+
+class Solids(NamedTuple):
+    """The same as compiled code reads it: arrays that always show the present, whose last two nobody else may write.
+
+    Attributes:
+        rows: (G, 3) row of each in the last two, its owner, its form.
+        shape: (G, 7) size as MuJoCo means it; half edges of a box, and the radius of a ball: the solid lies within the
+            ball round some point of the box, which is turned as the solid is [m].
+        position_m: (all, 3) centres in the world.
+        rotation: (all, 9) world from solid, row-major.
+    """
+
+    rows: IntArray
+    shape: Array
+    position_m: Array
+    rotation: Array
+
+
+class StageView(Protocol):
+    """Read-only sight of the stage that sensors get; a scripted one tests them without physics."""
+
+    @property
+    def time_s(self) -> float:
+        """True simulation time [s]."""
+        ...
+
+    @property
+    def joints_m(self) -> Array:
+        """(D, 25, 3) true positions of the dancers' joints, in the order of `assets.names.JOINTS` [m]."""
+        ...
+
+    @property
+    def yaw_rad(self) -> Array:
+        """(D,) true headings of the pelvises [rad], 0 along world x, counter-clockwise."""
+        ...
+
+    @property
+    def geoms(self) -> Geoms:
+        """Everything that can be seen, at this instant."""
+        ...
+
+    @property
+    def solids(self) -> Solids:
+        """All that can hide something from an eye."""
+        ...

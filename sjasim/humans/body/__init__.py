@@ -1,0 +1,1 @@
+"""What people's bodies are: anatomy, MJCF, kinematics, inverse dynamics."""

@@ -1,0 +1,1 @@
+"""Sessions as rerun recordings, and reading these."""

@@ -1,0 +1,1 @@
+"""Sessions as ROS 2 messages."""

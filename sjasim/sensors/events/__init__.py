@@ -1,0 +1,1 @@
+"""Events (starts, stops, claps) from skeletons."""

@@ -1,0 +1,1 @@
+"""Events from recorded joints of real or simulated sensors."""

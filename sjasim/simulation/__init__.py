@@ -1,0 +1,1 @@
+"""Everything that needs MuJoCo: physics, control loop, recorder, rendering."""

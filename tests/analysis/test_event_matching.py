@@ -1,0 +1,38 @@
+"""Matching is one to one, complete before close, and never beyond the limit."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sjasim.analysis.event_matching import matched
+
+TIMES = st.lists(st.floats(0, 5), max_size=6)
+
+
+def largest(a, b, within):
+    """Size of the largest matching, by trying everything."""
+    if not a:
+        return 0
+    best = largest(a[1:], b, within)
+    for i, time in enumerate(b):
+        if abs(time - a[0]) <= within:
+            best = max(best, 1 + largest(a[1:], b[:i] + b[i + 1 :], within))
+    return best
+
+
+@given(TIMES, TIMES)
+@settings(max_examples=80, deadline=None)
+def test_as_many_as_possible(a, b):
+    rows, columns = matched(np.array(a), np.array(b), 0.4)
+    assert len(set(rows)) == len(set(columns)) == len(rows) == largest(a, b, 0.4)
+    assert all(abs(a[i] - b[j]) <= 0.4 for i, j in zip(rows, columns, strict=True))
+
+
+def test_a_constant_shift_keeps_the_order():
+    a = np.array([1.0, 1.001, 1.3])
+    rows, columns = matched(a + 0.05, a, 0.4)
+    assert rows.tolist() == columns.tolist() == [0, 1, 2]
+
+
+def test_nothing_matches_nothing():
+    assert len(matched(np.zeros(0), np.array([1.0]), 0.4)[0]) == 0

@@ -1,0 +1,83 @@
+"""True events: crossings are exact, ripple makes none, palms that meet clap once."""
+
+import numpy as np
+import pytest
+
+from sjasim.analysis.ground_truth_events import claps, dancer_events, moves, robot_events, stretches
+from sjasim.choreography.timetable import timetable
+from sjasim.config.toml_file import from_plain
+from sjasim.core import Kind
+
+from .synthetic import session
+
+T = np.arange(0, 10, 1 / 60)
+
+
+def walk(speed, heading=0.7):
+    """Moves of an agent with this speed along a constant heading."""
+    way = np.concatenate([[0.0], np.cumsum(speed[:-1]) / 60])
+    return moves(T, way * np.cos(heading), way * np.sin(heading), np.full(len(T), heading))
+
+
+def test_true_events_are_the_planned_crossings():
+    log = session(iterations=2, joints=False)
+    table = timetable(from_plain(log.config))
+    found = dancer_events(log.truth, log.cues, table)
+    assert len(found) == 3 * 3 * 9
+    planned = {(cue.dancer, cue.iteration, cue.ordinal): cue.t_s for cue in log.cues if cue.move.value != "turn"}
+    steps = table.choreography.steps()
+    for (dancer, iteration, ordinal), t_s in planned.items():
+        mine = [e.t_s for e in found if (e.agent, e.iteration, e.kind) == (dancer, iteration, steps[ordinal].kind)]
+        assert min(abs(np.array(mine) - t_s)) < 0.009
+
+
+def test_ripple_shorter_than_the_rule_makes_no_event():
+    speed = 0.25 * ((T > 2) & (T < 4))
+    speed[(T > 3.0) & (T < 3.1)] = 0.0
+    speed[(T > 7.0) & (T < 7.1)] = 0.25
+    assert [kind for _, kind in walk(speed)] == [Kind.START_FORWARD, Kind.STOP_FORWARD]
+
+
+def test_backward_moves_are_backward_and_an_open_one_has_no_stop():
+    assert [kind for _, kind in walk(-0.25 * (T > 5))] == [Kind.START_BACKWARD]
+
+
+def test_a_side_that_lasts_past_the_end_is_judged_by_what_there_is():
+    assert stretches(T, np.where(T > 9.95, 1.0, -1.0)) == []
+    assert stretches(T[:2], np.array([1.0, 1.0])) == []
+
+
+def test_one_clap_per_approach():
+    hands = np.minimum(0.6, 0.03 + np.minimum(abs(T - 3), abs(T - 7)))
+    hands[abs(T - 3.1) < 0.01] = 0.2
+    assert claps(T, hands) == pytest.approx([3.0, 7.0], abs=1 / 60)
+    assert claps(T, np.full(len(T), 0.13)) == []
+
+
+def test_unseen_joints_make_events_invisible():
+    log = session(iterations=1, joints=False)
+    truth = dict(log.truth)
+    truth["spine_seen"] = np.full(len(truth["t_s"]), np.nan)
+    found = dancer_events(truth, log.cues, timetable(from_plain(log.config)))
+    assert {event.visible for event in found if event.kind is Kind.CLAP} == {True}
+    assert {event.visible for event in found if event.kind is not Kind.CLAP} == {False}
+
+
+def test_sway_inside_a_turn_is_no_move():
+    log = session(iterations=1, joints=False)
+    table = timetable(from_plain(log.config))
+    turn = next(cue for cue in log.cues if cue.move.value == "turn" and cue.iteration == 1 and cue.dancer == "dancer_1")
+    truth = {name: column.copy() for name, column in log.truth.items()}
+    mine = (truth["dancer"] == 0) & (truth["t_s"] > turn.t_s + 0.3)
+    truth["x_m"][mine] += 0.3 * np.clip((truth["t_s"][mine] - turn.t_s - 0.3) / 0.5, 0, 1)
+    assert len(dancer_events(truth, log.cues, table)) == len(dancer_events(log.truth, log.cues, table))
+    assert len(dancer_events(truth, (), table)) > len(dancer_events(log.truth, (), table))
+
+
+def test_the_robots_turn_and_moves():
+    log = session(iterations=2, joints=False)
+    found = robot_events(log.odometry, timetable(from_plain(log.config)))
+    assert [event.kind for event in found] == [event.kind for event in log.robot_events]
+    gaps = [a.t_s - b.t_s for a, b in zip(found, log.robot_events, strict=True)]
+    assert np.max(np.abs(gaps)) < 0.02
+    assert robot_events({}, timetable(from_plain(log.config))) == []

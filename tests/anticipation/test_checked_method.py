@@ -1,0 +1,157 @@
+"""A method of one's own with bugs: the line that names them."""
+
+import math
+import sys
+import types
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from sjasim.anticipation.checked_method import Hooks
+from sjasim.anticipation.method import build
+from sjasim.core.errors import ConfigError, HookError, PluginError
+from sjasim.core.method_io import Brief, Intention, Wake, Withdrawal
+
+
+class Mine:
+    """Answers whatever it is given."""
+
+    def __init__(self):
+        self.answer = ()
+
+    def reset(self, brief, rng):
+        pass
+
+    def on_event(self, event):
+        return self.answer
+
+    def on_iteration_start(self, iteration, t_s):
+        return ()
+
+    def on_iteration_end(self, iteration, t_s):
+        return ()
+
+    def on_wake(self, t_s):
+        return self.answer / 0
+
+    def follows(self, iteration):
+        return self.answer
+
+
+@pytest.fixture
+def mine():
+    return Mine()
+
+
+def asked(mine, answer, told_s=2.0):
+    mine.answer = answer
+    return Hooks("my:Mine", mine).ask("on_event", told_s, (None,))
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [(), [], (Intention(1, 0, 3.0, "why"),), [Withdrawal(1, 0, "why"), Wake(2.1)],
+     (Intention(np.int64(1), 0, np.float32(3.0), "why"),), (Intention(1, 99, math.nan, "the dispatcher's matter"),)],
+)  # fmt: skip
+def test_answers_pass_unchanged(mine, answer):
+    assert asked(mine, answer) == answer
+
+
+@pytest.mark.parametrize("answer", [None, Intention(1, 0, 3.0, "why"), "early", 7, {1: 2}, iter([])])
+def test_what_is_no_sequence_of_answers_is_refused(mine, answer):
+    with pytest.raises(
+        PluginError, match=r"my:Mine.on_event returned .*; a sequence of Intention, Withdrawal and Wake"
+    ):
+        asked(mine, answer)
+
+
+def test_nor_are_other_things_in_a_sequence(mine):
+    with pytest.raises(PluginError, match=r"my:Mine.on_event returned 'early' among its answers"):
+        asked(mine, [Wake(3.0), "early"])
+    with pytest.raises(PluginError, match=r"Intention.t_s = None is not allowed: a session time"):
+        asked(mine, [Intention(1, 0, None, "why")])
+    with pytest.raises(PluginError, match=r"Withdrawal.iteration = '1' is not allowed: a whole number"):
+        asked(mine, [Withdrawal("1", 0, "why")])
+
+
+@pytest.mark.parametrize("t_s", [2.0, 1.0, math.nan, math.inf, -math.inf])
+def test_a_wake_must_lie_in_the_future(mine, t_s):
+    with pytest.raises(PluginError, match=r"Wake.t_s = \S+ is not allowed at session time 2 s: .* in the future"):
+        asked(mine, [Wake(t_s)])
+
+
+def test_an_error_of_the_users_own_is_kept_and_named(mine):
+    mine.answer = 1
+    with pytest.raises(HookError, match=r"my:Mine.on_wake failed at session time 6.520 s: ZeroDivisionError") as caught:
+        Hooks("my:Mine", mine).ask("on_wake", 6.52, (6.52,))
+    assert isinstance(caught.value.__cause__, ZeroDivisionError)
+
+
+def test_who_is_followed_is_a_tuple_of_names(mine):
+    hooks = Hooks("my:Mine", mine)
+    hooks.reset(Brief(("dancer_1", "dancer_2"), (), 1, 0.5, (0.0, 9.0), (9.0, 18.0)), np.random.default_rng(0))
+    for said, meant in (((), ()), (None, None), (["dancer_1"], ("dancer_1",))):
+        mine.answer = said
+        assert hooks.follows(1, 2.0) == meant
+    mine.answer = "dancer_1"
+    with pytest.raises(PluginError, match=r"my:Mine.follows returned 'dancer_1'; a tuple of names"):
+        hooks.follows(1, 2.0)
+    mine.answer = ("dancer_1", "dancer_9")
+    with pytest.raises(PluginError, match=r"returned \['dancer_9'\]; names among dancer_1, dancer_2 are wanted"):
+        hooks.follows(1, 2.0)
+
+
+@dataclass(frozen=True)
+class Options:
+    gain: float
+
+    def __post_init__(self):
+        if self.gain < 0:
+            raise ValueError("too little")
+
+
+class Gainful(Mine):
+    config_type = Options
+
+    def __init__(self, config):
+        self.inverse = 1 / config.gain
+
+
+class NoDataclass(Mine):
+    config_type = dict
+
+
+class Wanting(Mine):
+    def __init__(self, gain):
+        pass
+
+
+class Deaf(Mine):
+    def on_event(self):
+        return ()
+
+
+@pytest.fixture
+def module(monkeypatch):
+    found = types.ModuleType("my")
+    for item in (Gainful, NoDataclass, Wanting, Deaf):
+        setattr(found, item.__name__, item)
+    monkeypatch.setitem(sys.modules, "my", found)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "error", "says"),
+    [
+        ("Wanting", {}, PluginError, r"my:Wanting is called with \(\), but takes \(gain\).*config_type"),
+        ("Deaf", {}, PluginError, r"my:Deaf.on_event is called with \(event\), but takes \(\)"),
+        ("NoDataclass", {}, PluginError, "config_type.*is not a dataclass"),
+        ("Gainful", {}, ConfigError, "needs gain"),
+        ("Gainful", {"gain": 0}, HookError, "my:Gainful cannot be made: ZeroDivisionError"),
+        ("Gainful", {"gain": -1}, HookError, "my:Gainful cannot be made: ValueError: too little"),
+    ],
+)
+def test_what_cannot_be_made_or_called_is_named(module, name, options, error, says):
+    with pytest.raises(error, match=says):
+        build(f"my:{name}", options)
+    assert build("my:Gainful", {"gain": 2.0}).inverse == 0.5

@@ -1,0 +1,312 @@
+"""The timing model against its own equations, by a second route, and every preset against its values."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from sjasim.choreography.score import Timetable
+from sjasim.core import Kind, Move
+from sjasim.core.clock import stream
+from sjasim.core.errors import ConfigError
+from sjasim.core.tempo import TempoMap
+from sjasim.humans.timing.ensemble import SHORTEST_HOLD_S, SHORTEST_MOVE_S, SOONEST_S, EnsembleTiming
+from sjasim.humans.timing.parameters import TimingParameters, preset, preset_names
+
+from ..dancing import dance
+
+SLOW = 40.0
+"""A tempo so slow that events never run into one another and the order rule is never felt."""
+
+NOISY = ("paper-entrainment", "paper-warmup", "one-late", "tempo-change")
+
+
+def timetable(bpm: float = 118.0) -> Timetable:
+    return Timetable(dance(), TempoMap.steady(bpm), 4.0, 0, 1000)
+
+
+def ensemble(parameters, dancers=3, people=0, performance=0, bpm=118.0) -> EnsembleTiming:
+    streams = np.random.default_rng(people), np.random.default_rng(performance)
+    return EnsembleTiming(parameters, timetable(bpm), dancers, *streams)
+
+
+def draw(model, iteration, felt, free):
+    """A whole iteration of people whom the robot does not move."""
+    model.begin(iteration, felt, free)
+    return model.decide(-math.inf, ())
+
+
+def times(cues) -> list[float]:
+    return [t for cue in cues for _, t in cue.events()]
+
+
+@cache
+def deviations(parameters, count, dancers=3, felt=None, people=0, bpm=SLOW) -> np.ndarray:
+    """(N, D, E) event times minus the nominal ones; each draw is another group of people."""
+    table = timetable(bpm)
+    nominal = np.array([table.time_s(1, step.beat) for step in table.choreography.steps()])
+    out = []
+    for index in range(count):
+        model = ensemble(parameters, dancers, people + index, 10_000 + index, bpm)
+        drawn = draw(model, 1, felt, np.zeros(dancers))
+        out.append([np.array(times(cues)) - nominal for cues in drawn])
+    return np.array(out)
+
+
+def expected_covariance(p: TimingParameters, dancers: int, events: int) -> np.ndarray:
+    """(E, D, D) covariance of own deviations by the recursion of the ensemble's matrix."""
+    gain = p.coupling * np.diag([(*p.correction, 1.0)[0], *[1.0] * (dancers - 1)])
+    matrix = (1 - p.music_coupling) * np.eye(dancers) - gain @ (dancers * np.eye(dancers) - np.ones((dancers, dancers)))
+    spread = np.exp(p.group_spread**2 + p.iteration_spread**2 + p.dancer_spread**2)
+    sigma = p.timekeeper_s**2 * np.eye(dancers)
+    rows = []
+    for _ in range(events):
+        rows.append(spread * (sigma + p.motor_s**2 * np.eye(dancers)))
+        sigma = matrix @ sigma @ matrix.T + p.timekeeper_s**2 * np.eye(dancers)
+    return np.array(rows)
+
+
+def test_metronomic_dancers_keep_to_the_score():
+    table = timetable()
+    for cues in draw(ensemble(preset("metronomic")), 1, None, np.zeros(3)):
+        nominal = [table.time_s(1, step.beat) for step in table.choreography.steps()]
+        assert times(cues) == pytest.approx(nominal)
+
+
+@pytest.mark.parametrize("name", preset_names())
+def test_order_holds_by_construction(name):
+    model = ensemble(preset(name))
+    for iteration in range(60):
+        free = np.array([timetable().start_s(iteration) - 0.3] * 3)
+        for cues, earliest in zip(draw(model, iteration, 1.5, free), free, strict=True):
+            end = earliest - SHORTEST_HOLD_S
+            for cue in cues:
+                if cue.move is Move.TURN:
+                    continue
+                assert cue.t_s >= end + SHORTEST_HOLD_S - 1e-9
+                if cue.move is not Move.CLAP:
+                    assert cue.duration_s >= SHORTEST_MOVE_S - 1e-9
+                end = cue.t_s + cue.duration_s
+
+
+def test_nobody_begins_before_they_can():
+    cues = draw(ensemble(preset("paper-entrainment")), 1, None, np.array([60.0, 70.0, 80.0]))
+    assert [own[0].t_s for own in cues if own] >= [60.0, 70.0, 80.0][: len(cues)]
+
+
+@pytest.mark.parametrize("name", NOISY)
+def test_presets_have_the_asynchronies_of_their_parameters(name):
+    p = replace(preset(name), lapse=0.0, late_s=())
+    found = deviations(p, 1500)
+    gaps = (found[:, 0] - found[:, 1]).std(axis=0)
+    covariance = expected_covariance(p, 3, found.shape[2])
+    expected = np.sqrt(covariance[:, 0, 0] + covariance[:, 1, 1] - 2 * covariance[:, 0, 1])
+    assert gaps == pytest.approx(expected, rel=0.10)
+
+
+@pytest.mark.parametrize("name", NOISY)
+def test_presets_have_the_common_shift_of_their_parameters(name):
+    p = replace(preset(name), lapse=0.0, late_s=())
+    found = deviations(p, 1500)
+    mean = found.mean(axis=1)
+    own = expected_covariance(p, 3, found.shape[2]).sum(axis=(1, 2)) / 9
+    spread = np.exp(p.group_spread**2 + p.iteration_spread**2)
+    assert mean.std(axis=0) == pytest.approx(np.sqrt(spread * p.common_s**2 + own), rel=0.10)
+    assert np.abs(mean.mean(axis=0)).max() < 0.06
+
+
+@pytest.mark.parametrize("name", NOISY)
+def test_the_common_shift_is_autoregressive(name):
+    p = replace(preset(name), timekeeper_s=0.0, motor_s=0.0, lapse=0.0, late_s=())
+    found = deviations(p, 1200, dancers=1)[:, 0]
+    rho = p.common_correlation
+    for lag in (1, 2):
+        pairs = [np.corrcoef(found[:, k], found[:, k + lag])[0, 1] for k in range(found.shape[1] - lag)]
+        assert np.mean(pairs) == pytest.approx(rho**lag, abs=0.04)
+
+
+def test_coupling_pulls_dancers_together():
+    p = TimingParameters(timekeeper_s=0.1)
+    loose, tight = (deviations(replace(p, coupling=c), 300)[:, :, -1] for c in (0.0, 0.25))
+    assert tight.std(axis=1).mean() < 0.5 * loose.std(axis=1).mean()
+
+
+def test_a_badly_timed_robot_disturbs_by_the_entrainment_exponent():
+    p = TimingParameters(timekeeper_s=0.05, motor_s=0.02, entrainment=0.61)
+    usual, twice, half = (deviations(p, 200, felt=felt).std() for felt in (0.70, 1.40, 0.35))
+    assert twice / usual == pytest.approx(2**0.61, rel=1e-6)
+    assert half / usual == pytest.approx(2**-0.61, rel=1e-6)
+    assert deviations(p, 200).std() == pytest.approx(usual)
+
+
+def test_the_robot_does_not_move_the_common_shift():
+    p = TimingParameters(common_s=0.3, common_correlation=0.7, entrainment=0.61)
+    assert np.array_equal(deviations(p, 20, felt=0.1), deviations(p, 20, felt=2.0))
+
+
+def test_lapses_leave_out_phrases_and_claps_as_often_as_they_say():
+    model = ensemble(replace(preset("paper-entrainment"), lapse=0.2), dancers=8)
+    cues = [own for iteration in range(150) for own in draw(model, iteration, None, np.zeros(8))]
+    moved = [[cue.move for cue in own] for own in cues]
+    for move, whole in ((Move.FORWARD, 2), (Move.BACKWARD, 2), (Move.CLAP, 1)):
+        assert sum(m.count(move) for m in moved) / len(cues) == pytest.approx(0.8 * whole, abs=0.06)
+    assert all(m.count(Move.FORWARD) == m.count(Move.BACKWARD) for m in moved)
+    assert all(m.count(Move.TURN) == 1 for m in moved)
+
+
+def test_a_dancer_who_lapses_always_only_turns():
+    drawn = draw(ensemble(TimingParameters(lapse=1.0)), 1, None, np.zeros(3))
+    assert all([cue.move for cue in cues] == [Move.TURN] for cues in drawn)
+
+
+def test_a_late_dancer_is_late_by_as_much_every_time():
+    found = deviations(TimingParameters(late_s=(0.5,)), 2)
+    assert found[:, 0] == pytest.approx(0.5)
+    assert found[:, 1:] == pytest.approx(0.0)
+    assert preset("one-late").late_s == (0.5,)
+
+
+def test_the_same_people_give_other_performances():
+    p = TimingParameters(common_s=0.1, group_spread=0.5)
+
+    def take(people: int, performance: str) -> np.ndarray:
+        model = EnsembleTiming(
+            p, timetable(SLOW), 2, stream(people, "humans", "group"), stream(0, "humans", "performance", performance)
+        )
+        return np.array(times(draw(model, 1, None, np.zeros(2))[0]))
+
+    nominal = np.array([timetable(SLOW).time_s(1, step.beat) for step in dance().steps()])
+    assert np.array_equal(take(1, "a"), take(1, "a"))
+    assert not np.allclose(take(1, "a"), take(1, "b"))
+    ratio = (take(2, "a") - nominal) / (take(1, "a") - nominal)
+    assert np.ptp(ratio) < 1e-9
+    assert abs(ratio[0] - 1.0) > 0.01
+
+
+def test_a_lapse_does_not_shift_the_other_dancers():
+    """Every draw spends as many numbers whatever the parameters, so one change does not change all."""
+    calm, lapsing = (ensemble(replace(preset("paper-warmup"), lapse=lapse)) for lapse in (0.0, 0.3))
+    first, second = draw(calm, 1, None, np.zeros(3)), draw(lapsing, 1, None, np.zeros(3))
+    starts = {(cue.dancer, cue.ordinal, cue.move): cue.t_s for own in first for cue in own}
+    for cue in (cue for own in second for cue in own):
+        assert starts[cue.dancer, cue.ordinal, cue.move] == cue.t_s
+
+
+@pytest.mark.parametrize("dancers", [0, -1, 9])
+def test_a_group_of_none_or_too_many_is_refused(dancers):
+    with pytest.raises(ConfigError, match="1 to 8 dancers"):
+        ensemble(TimingParameters(), dancers)
+
+
+@pytest.mark.parametrize("dancers", [2, 3, 5, 8])
+def test_groups_of_every_size_hold_together_alike(dancers):
+    p = TimingParameters(timekeeper_s=0.1, coupling=0.25)
+    last = deviations(p, 300, dancers)[:, :, -1]
+    expected = 0.1 * np.sqrt((1 - 1 / dancers) / (1 - 0.25**2))
+    own = last - last.mean(axis=1, keepdims=True)
+    assert np.sqrt((own**2).mean()) == pytest.approx(expected, rel=0.1)
+
+
+def seen_late(model, late_s, ordinals=range(9), iteration=1):
+    """Let a group decide move by move beside a robot that is late at every step; its cues in order of time."""
+    table, steps = timetable(SLOW), dance().steps()
+    robot = [(steps[k].kind, table.time_s(iteration, steps[k].beat) + late_s) for k in ordinals]
+    model.begin(iteration, None, np.zeros(3))
+    cues = []
+    while math.isfinite(now := model.next_due_s):
+        cues += [cue for own in model.decide(now, [event for event in robot if event[1] <= now]) for cue in own]
+    return sorted(cues, key=lambda cue: (cue.t_s, cue.dancer))
+
+
+def lateness(cues, dancer="dancer_1"):
+    table, steps = timetable(SLOW), dance().steps()
+    events = [event for cue in cues if cue.dancer == dancer for event in cue.events()]
+    return [t_s - table.time_s(1, step.beat) for step, (_, t_s) in zip(steps, events, strict=True)]
+
+
+def test_people_who_heed_a_late_robot_come_to_be_late_themselves():
+    p = TimingParameters(robot_coupling=0.5)
+    found = lateness(seen_late(ensemble(p, bpm=SLOW), 0.4))
+    assert found[:2] == [0.0, 0.0]
+    assert found[2:4] == pytest.approx([0.2, 0.2])
+    assert found[4:6] == pytest.approx([0.3, 0.3])
+    assert found[8] == pytest.approx(0.4 * (1 - 0.5**4))
+
+
+def test_each_dancer_heeds_the_robot_as_much_as_they_do():
+    p = TimingParameters(robot_coupling=(0.0, 0.5))
+    cues = seen_late(ensemble(p, bpm=SLOW), 0.4)
+    assert lateness(cues, "dancer_1") == pytest.approx([0.0] * 9)
+    assert lateness(cues, "dancer_2")[2] == pytest.approx(0.2)
+
+
+def test_what_the_robot_did_is_answered_once():
+    p = TimingParameters(robot_coupling=0.5)
+    found = lateness(seen_late(ensemble(p, bpm=SLOW), 0.4, ordinals=[0]))
+    assert found[2:] == pytest.approx([0.2] * 7)
+
+
+def test_a_robot_turns_where_people_clap():
+    p = TimingParameters(robot_coupling=0.5)
+    model = ensemble(p, bpm=SLOW)
+    model.begin(1, None, np.zeros(3))
+    for _ in range(4):
+        model.decide(model.next_due_s, ())
+    clap_s = timetable(SLOW).time_s(1, 32)
+    drawn = model.decide(model.next_due_s, [(Kind.TURN, clap_s + 0.2)])
+    assert drawn[0][0].t_s == pytest.approx(clap_s - 0.5 * (0.0 - 0.2))
+
+
+def test_without_the_robot_it_does_not_matter_when_people_decide():
+    p = replace(preset("paper-warmup"), lapse=0.0)
+    whole = ensemble(p, bpm=SLOW)
+    at_once = sorted(cue.t_s for own in draw(whole, 1, None, np.zeros(3)) for cue in own)
+    stepwise = ensemble(replace(p, robot_coupling=1e-12), bpm=SLOW)
+    assert [cue.t_s for cue in seen_late(stepwise, 0.4)] == pytest.approx(at_once)
+
+
+def test_nobody_begins_sooner_than_they_can_prepare():
+    model = ensemble(TimingParameters(robot_coupling=0.1), bpm=SLOW)
+    model.begin(1, None, np.zeros(3))
+    late = timetable(SLOW).time_s(1, 0) + 1.0
+    assert [own[0].t_s for own in model.decide(late, ())] == pytest.approx([late + SOONEST_S] * 3)
+
+
+def test_a_drifting_dancer_falls_behind_by_their_tempo_unless_coupled():
+    alone = deviations(TimingParameters(drift=(0.02,)), 1)[0]
+    elapsed = np.array([timetable(SLOW).time_s(1, step.beat) for step in dance().steps()])
+    assert alone[0] == pytest.approx(0.02 * (elapsed - elapsed[0]))
+    held = deviations(TimingParameters(drift=(0.02,), music_coupling=0.5), 1)[0]
+    assert held[0, -1] == pytest.approx(0.02 * (elapsed[1] - elapsed[0]) / 0.5, rel=0.01)
+    assert alone[1:] == pytest.approx(0.0)
+
+
+def test_some_dancers_are_noisier_than_others():
+    p = TimingParameters(timekeeper_s=0.02, motor_s=0.02, scale=(0.0, 1.0, 3.0))
+    found = deviations(p, 300).std(axis=(0, 2))
+    assert found[0] == 0.0
+    assert found[2] / found[1] == pytest.approx(3.0, rel=0.1)
+    spread = deviations(TimingParameters(motor_s=0.02, dancer_spread=0.5), 400, dancers=8)
+    log_scale = np.log(spread.std(axis=2))
+    assert log_scale.std() > 0.45
+
+
+def test_the_same_person_is_as_noisy_in_every_performance():
+    p = TimingParameters(motor_s=0.02, dancer_spread=0.5)
+    takes = [deviations_of(p, people=3, performance=take) for take in range(40)]
+    other = [deviations_of(p, people=4, performance=take) for take in range(40)]
+    ratio = np.std(takes, axis=(0, 2)) / np.std(other, axis=(0, 2))
+    assert np.abs(np.log(ratio)).max() > 0.2
+    assert np.log(np.std(takes[:20], axis=(0, 2)) / np.std(takes[20:], axis=(0, 2))) == pytest.approx(0, abs=0.25)
+
+
+def deviations_of(p, people, performance):
+    table = timetable(SLOW)
+    nominal = np.array([table.time_s(1, step.beat) for step in dance().steps()])
+    return [
+        np.array(times(own)) - nominal for own in draw(ensemble(p, 3, people, performance, SLOW), 1, None, np.zeros(3))
+    ]

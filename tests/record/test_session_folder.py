@@ -1,0 +1,137 @@
+"""A session's folder: whole or absent, and the same log when read back."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sjasim.analysis.session_metrics import measures
+from sjasim.core.errors import RecordError
+from sjasim.record import atomic_folder, session_folder
+from sjasim.record.parquet import COLUMN_TABLES, ROW_TYPES
+
+from ..analysis.synthetic import session
+
+
+@pytest.fixture(scope="module")
+def log():
+    return session(iterations=1, joints=False)
+
+
+@pytest.fixture(scope="module")
+def written(log, tmp_path_factory):
+    target = tmp_path_factory.mktemp("runs") / "deep" / "er" / "one"
+    return session_folder.write(log, target, measures(log).as_dict(), recording=False)
+
+
+def same(a, b):
+    """Whether two logs are equal, arrays and their types included."""
+    for field in dataclasses.fields(a):
+        x, y = getattr(a, field.name), getattr(b, field.name)
+        if field.name in COLUMN_TABLES:
+            assert list(x) == list(y)
+            for name in x:
+                assert x[name].dtype == y[name].dtype
+                np.testing.assert_array_equal(x[name], y[name])
+        elif field.name != "joints":
+            assert x == y, field.name
+    return True
+
+
+def test_the_log_comes_back(log, written):
+    assert same(session_folder.read(written), log)
+
+
+def test_the_figures_can_be_recomputed_from_the_tables(written):
+    assert measures(session_folder.read(written)).as_dict() == json.loads((written / "session.json").read_text())
+
+
+def test_the_folder_holds_what_is_promised_and_nothing_else(written):
+    tables = {f"{name}.parquet" for name in (*ROW_TYPES, *COLUMN_TABLES)}
+    assert {path.name for path in written.iterdir()} == {*tables, "session.json"}
+    assert [path.name for path in written.parent.iterdir()] == ["one"]
+
+
+def test_event_tables_have_the_common_columns(written):
+    import pyarrow.parquet as pq
+
+    for name in ("events", "robot_events"):
+        assert {"session", "iteration", "agent", "kind", "t_s"} <= set(
+            pq.read_schema(written / f"{name}.parquet").names
+        )
+
+
+def test_empty_tables_keep_their_columns(log, tmp_path):
+    bare = dataclasses.replace(log, events=(), robot_events=(), commands=(), notices=(), odometry={})
+    assert same(
+        session_folder.read(session_folder.write(bare, tmp_path / "bare", measures(bare).as_dict(), recording=False)),
+        bare,
+    )
+
+
+def test_an_empty_folder_is_taken_and_a_full_one_refused(log, tmp_path):
+    (tmp_path / "empty").mkdir()
+    session_folder.write(log, tmp_path / "empty", measures(log).as_dict(), recording=False)
+    with pytest.raises(RecordError, match="not empty"):
+        atomic_folder.check_target(tmp_path / "empty")
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_a_broken_writing_leaves_nothing(log, tmp_path, monkeypatch, error):
+    def full(path, columns):
+        raise error
+
+    monkeypatch.setattr(session_folder, "write_columns", full)
+    with pytest.raises((RecordError, KeyboardInterrupt)):
+        session_folder.write(log, tmp_path / "one", {}, recording=False)
+    assert list(tmp_path.iterdir()) == []
+
+
+def damaged(written, tmp_path, name, content):
+    """A copy of the folder with one file replaced, or without it."""
+    copy = tmp_path / "copy"
+    copy.mkdir()
+    for path in written.iterdir():
+        (copy / path.name).write_bytes(path.read_bytes())
+    (copy / name).unlink()
+    if content is not None:
+        (copy / name).write_bytes(content(written / name))
+    return copy
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        ("session.json", None, "not a session's folder"),
+        ("session.json", lambda path: b"{", "damaged"),
+        ("session.json", lambda path: b'{"schema": 99}', "version 1"),
+        ("session.json", lambda path: b'{"schema": 1}', "lacks config"),
+        ("truth.parquet", None, "missing"),
+        ("truth.parquet", lambda path: path.read_bytes()[:1000], "cannot be read"),
+        ("odometry.parquet", lambda path: (path.parent / "truth.parquet").read_bytes(), "lacks the column 'step_m'"),
+        ("events.parquet", lambda path: (path.parent / "cues.parquet").read_bytes(), "lacks the column"),
+    ],
+)
+def test_foreign_and_truncated_folders_give_one_line(written, tmp_path, name, content, says):
+    with pytest.raises(RecordError, match=says) as caught:
+        session_folder.read(damaged(written, tmp_path, name, content))
+    assert "\n" not in str(caught.value)
+    assert name in str(caught.value)
+
+
+def test_an_unknown_kind_names_file_row_and_column(written, tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    def strange(path: Path) -> bytes:
+        table = pq.read_table(path)
+        kinds = table.column("kind").to_pylist()
+        kinds[3] = "jump"
+        place = table.column_names.index("kind")
+        pq.write_table(table.set_column(place, "kind", pa.array(kinds)), tmp_path / "strange.parquet")
+        return (tmp_path / "strange.parquet").read_bytes()
+
+    with pytest.raises(RecordError, match=r"events.parquet, row 3, column 'kind': 'jump'"):
+        session_folder.read(damaged(written, tmp_path, "events.parquet", strange))

@@ -1,0 +1,141 @@
+"""The depth camera: the same as MuJoCo's rays, for every form, any way it is turned."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+from sjasim.choreography.layout import layout
+from sjasim.config import RoomConfig, SensorConfig
+from sjasim.core import Geoms
+from sjasim.sensors.depth_camera import Camera, Intrinsics
+from sjasim.skeleton_training.trials import Trial, stage_dance
+
+NORTH = layout("square", 3, RoomConfig(), SensorConfig()).mounts[0]
+FOV = math.radians(70.6), math.radians(60.0)
+FORMS = {
+    "plane": (0, (0.5, 0.3, 0.1)),
+    "sphere": (2, (0.3, 0.0, 0.0)),
+    "capsule": (3, (0.12, 0.4, 0.0)),
+    "ellipsoid": (4, (0.4, 0.15, 0.25)),
+    "cylinder": (5, (0.25, 0.3, 0.0)),
+    "box": (6, (0.3, 0.1, 0.2)),
+}
+
+
+def scene(forms: list[str], seed: int) -> tuple[mujoco.MjModel, mujoco.MjData, Geoms]:
+    """A floor and one geom of each form, placed and turned at random."""
+    rng = np.random.default_rng(seed)
+    spec = mujoco.MjSpec()
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[8, 8, 0.1])
+    for form in forms:
+        code, size = FORMS[form]
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom(code), size=size, quat=rng.normal(size=4),
+            pos=[rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(0.1, 1.5)],
+        )  # fmt: skip
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    geoms = Geoms(
+        model.geom_type.astype(np.int64), model.geom_size.copy(), data.geom_xpos.copy(),
+        data.geom_xmat.reshape(-1, 3, 3).copy(), np.full(model.ngeom, -1),
+    )  # fmt: skip
+    return model, data, geoms
+
+
+def rays(intrinsics: Intrinsics) -> np.ndarray:
+    """(H, W, 3) directions in the world, of unit depth."""
+    u, v = np.meshgrid(np.arange(intrinsics.width), np.arange(intrinsics.height))
+    x = (u - (intrinsics.width - 1) / 2) / intrinsics.fx
+    y = ((intrinsics.height - 1) / 2 - v) / intrinsics.fy
+    return np.stack([x, y, np.ones(x.shape)], axis=-1) @ NORTH.world_from_sensor.T
+
+
+def mujocos(model: mujoco.MjModel, data: mujoco.MjData, intrinsics: Intrinsics) -> tuple[np.ndarray, ...]:
+    """Depth [m], geom and cosine of incidence by mj_multiRay."""
+    directions = rays(intrinsics)
+    length = np.linalg.norm(directions, axis=2)
+    flat = (directions / length[..., None]).reshape(-1, 3)
+    count = len(flat)
+    geom, distance, normal = np.empty(count, np.int32), np.empty(count), np.empty((count, 3))
+    mujoco.mj_multiRay(
+        model, data, NORTH.position, flat.ravel(), None, 1, -1, geom, distance, normal.ravel(), count, 1e3
+    )
+    depth = np.where(distance < 0, np.inf, distance / length.ravel())
+    cosine = np.abs((normal * flat).sum(axis=1))
+    return tuple(values.reshape(length.shape) for values in (depth, geom, cosine))
+
+
+@pytest.mark.parametrize("forms", [[name] for name in FORMS] + [[*FORMS, *FORMS]])
+def test_every_form_turned_any_way_is_seen_as_mujoco_sees_it(forms: list[str]):
+    intrinsics = Intrinsics.of(256, *FOV)
+    camera = Camera(NORTH, intrinsics)
+    shown: set[int] = set()
+    for seed in range(6):
+        model, data, geoms = scene(forms, seed)
+        seen = camera.picture(geoms)
+        depth, geom, cosine = mujocos(model, data, intrinsics)
+        assert (seen.geom == geom).all()
+        met = geom >= 0
+        assert np.abs(seen.depth_m[met] - depth[met]).max() < 1e-6
+        assert np.isinf(seen.depth_m[~met]).all()
+        assert np.abs(seen.incidence[met] - cosine[met]).max() < 1e-4
+        shown |= set(geom.ravel())
+    assert shown >= set(range(len(forms) + 1))
+
+
+def test_the_two_resolutions_have_the_kinects_focal_lengths():
+    full, half = Intrinsics.of(512, *FOV), Intrinsics.of(256, *FOV)
+    assert (full.width, full.height, half.width, half.height) == (512, 424, 256, 212)
+    assert (full.fx, full.fy) == pytest.approx((361.6, 367.2), abs=0.1)
+    assert (2 * half.fx, 2 * half.fy) == pytest.approx((full.fx, full.fy))
+
+
+def test_columns_grow_to_the_sensors_left_and_rows_downwards():
+    place = NORTH.position + NORTH.world_from_sensor @ [0.5, 0.4, 2.0]
+    ball = Geoms(np.array([2]), np.array([[0.1, 0, 0]]), place[None], np.eye(3)[None], np.array([0]))
+    intrinsics = Intrinsics.of(256, *FOV)
+    rows, columns = np.nonzero(Camera(NORTH, intrinsics).picture(ball).geom == 0)
+    assert columns.mean() == pytest.approx(127.5 + 0.25 * intrinsics.fx, abs=1.0)
+    assert rows.mean() == pytest.approx(105.5 - 0.2 * intrinsics.fy, abs=1.0)
+
+
+def test_what_lies_behind_or_before_nothing_is_not_seen():
+    place = NORTH.position - 2.0 * NORTH.world_from_sensor[:, 2]
+    ball = Geoms(np.array([2]), np.array([[0.1, 0, 0]]), place[None], np.eye(3)[None], np.array([0]))
+    seen = Camera(NORTH, Intrinsics.of(256, *FOV)).picture(ball)
+    assert (seen.geom == -1).all()
+    assert np.isinf(seen.depth_m).all()
+    assert not seen.incidence.any()
+
+
+def first_hits(stage, directions):
+    """MuJoCo's own rays from the north sensor: distance, and the dancer that is hit or -1."""
+    count = len(directions)
+    geom, distance = np.empty(count, dtype=np.int32), np.empty(count)
+    groups = np.array([1, 1, 1, 0, 1, 1], dtype=np.uint8)
+    mujoco.mj_multiRay(
+        stage.model, stage.data, NORTH.position, directions.ravel(), groups, 1, -1, geom, distance, None, count, 10.0
+    )
+    names = [stage.model.geom(int(index)).name if index >= 0 else "" for index in geom]
+    return distance, np.array([int(name[7]) - 1 if name.startswith("dancer_") else -1 for name in names])
+
+
+def test_dancers_and_robot_on_a_stage_are_seen_as_the_stages_own_rays_see_them():
+    view, room = stage_dance(Trial(5, 4.0))
+    intrinsics = Intrinsics.of(256, *FOV)
+    seen = Camera(room.mounts[0], intrinsics).picture(view.geoms)
+    directions = rays(intrinsics)
+    length = np.linalg.norm(directions, axis=2)
+    rows, columns = np.nonzero(seen.depth_m * length < 9.9)
+    part = slice(None, None, 7)
+    rows, columns = rows[part], columns[part]
+    unit = directions[rows, columns] / length[rows, columns, None]
+    distance, owner = first_hits(view._stage, np.ascontiguousarray(unit))
+    assert np.abs(seen.depth_m[rows, columns] * length[rows, columns] - distance).max() < 1e-6
+    assert (view.geoms.owner[seen.geom[rows, columns]] == owner).all()
+    assert set(owner) == {-1, 0, 1, 2}

@@ -1,0 +1,261 @@
+"""Depth sensing from end to end: bodies on a stage in, skeletons out, and nothing of the truth between."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from sjasim.assets.names import JOINT_INDEX
+from sjasim.config import SensorConfig
+from sjasim.core import INFERRED, NOT_TRACKED, TRACKED, Skeletons
+from sjasim.core.clock import stream
+from sjasim.core.errors import SjasimError
+from sjasim.core.registry import resolve
+from sjasim.sensors.depth_sensing import BEYOND_M, DepthSensing
+from sjasim.sensors.skeleton import posture_prior
+from sjasim.sensors.skeleton.estimator import LEAST_TRUNK, SkeletonEstimator, certainty
+from sjasim.skeleton_training import report
+from sjasim.skeleton_training.trials import Outcome, Trial, perform, run, stage_dance
+
+
+@cache
+def seen(facing_deg: float, length_s: float = 4.0, **special: bool) -> Outcome:
+    return run(Trial(77, length_s, math.radians(facing_deg), **special))
+
+
+def test_is_registered_under_its_name():
+    assert resolve("sensing", "depth").factory is DepthSensing
+
+
+@pytest.mark.parametrize(
+    ("facing_deg", "median_cm", "p95_cm"), [(0.0, 1.7, 5.0), (45.0, 2.2, 8.0), (-90.0, 2.5, 12.0), (180.0, 3.5, 12.0)]
+)
+def test_skeletons_are_near_the_truth_at_any_heading(facing_deg: float, median_cm: float, p95_cm: float):
+    figures = report.errors([seen(facing_deg)])
+    assert figures["median_cm"] < median_cm
+    assert figures["p95_cm"] < p95_cm
+    assert figures["swapped"] == 0.0
+    assert figures["lost"] < 0.02
+    assert figures["tracked"] > 0.97
+    assert figures["astray"] < 0.015
+
+
+def test_facing_dancers_are_tracked_each_with_one_identity():
+    outcome = seen(0.0)
+    assert report.errors([outcome])["tracked"] > 0.98
+    assert report.identity([outcome]) == {"changed": 0, "lost_share": 0.0, "ghost_frames": 0}
+    base, upper = report.jitter_cm([outcome])
+    assert base < 0.05
+    assert upper < 0.1
+
+
+def test_figures_by_joint_and_events_can_be_told():
+    outcome = seen(0.0)
+    rows = report.by_joint([outcome])
+    assert rows["SpineBase"][0] < 4.0
+    tallies = report.events([outcome])
+    assert tallies["moves"].missed == 0
+
+
+@cache
+def frames(count: int = 12) -> tuple[list[np.ndarray], list[Skeletons]]:
+    """Depth frames of a trial and the skeletons that were found in them."""
+    trial = Trial(78, 4.0)
+    view, room = stage_dance(trial)
+    sensing = DepthSensing(room.mounts[0], SensorConfig(), 3, stream(0, "sensor"))
+    depths, found = [], []
+    estimator = SkeletonEstimator(sensing.intrinsics, float(room.mounts[0].position[2]))
+    for tick in range(count):
+        view.at(tick)
+        depths.append(sensing.frame(view))
+        found.append(estimator.update(view.time_s, depths[-1]))
+    return depths, found
+
+
+def test_who_is_farther_than_persons_are_tracked_is_inferred_and_not_visible():
+    view, room = stage_dance(Trial(78, 4.0))
+    far_m = 3.0
+    sensing = DepthSensing(room.mounts[0], replace(SensorConfig(), max_range_m=far_m), 3, stream(0, "sensor"))
+    for tick in range(12):
+        view.at(tick)
+        skeletons = sensing.sample(view)
+    depth_m = ((view.joints_m - room.mounts[0].position) @ room.mounts[0].world_from_sensor)[..., 2]
+    assert (depth_m > far_m).any()
+    assert not sensing.visibility[depth_m > far_m].any()
+    assert sensing.visibility[depth_m <= far_m].any()
+    beyond = skeletons.joints[:, :, 2] > far_m
+    assert beyond.any()
+    assert (skeletons.state[beyond] == INFERRED).all()
+    assert (skeletons.state == TRACKED).any()
+
+
+def test_the_same_frames_give_the_same_skeletons_without_mujoco(tmp_path):
+    depths, before = frames()
+    np.savez(tmp_path / "frames.npz", depths=np.array(depths))
+    program = f"""
+import sys, math, numpy as np
+from sjasim.sensors.camera import Intrinsics
+from sjasim.sensors.skeleton import SkeletonEstimator
+estimator = SkeletonEstimator(Intrinsics.of(256, math.radians(70.6), math.radians(60.0)), 0.91)
+for tick, depth in enumerate(np.load({str(tmp_path / "frames.npz")!r})["depths"]):
+    found = estimator.update(tick / 30, depth)
+    np.savez({str(tmp_path)!r} + f"/{{tick}}.npz", joints=found.joints, state=found.state, persons=found.persons)
+assert "mujoco" not in sys.modules
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)
+    for tick, one in enumerate(before):
+        again = np.load(tmp_path / f"{tick}.npz")
+        assert all(np.array_equal(again[name], getattr(one, name), equal_nan=True) for name in again.files)
+    assert before[-1].joints.shape == (3, 25, 3)
+
+
+def test_a_depth_image_reaches_beyond_the_farthest_person_that_is_met():
+    trial = Trial(78, 4.0)
+    view, room = stage_dance(trial)
+    reach_m = 3.0
+    sensing = DepthSensing(room.mounts[0], SensorConfig(max_range_m=reach_m), 3, stream(0, "sensor"))
+    farthest_m = 0.001 * float(sensing.frame(view).max())
+    assert reach_m + 0.9 * BEYOND_M < farthest_m <= reach_m + BEYOND_M
+
+
+def estimator() -> SkeletonEstimator:
+    sensors = SensorConfig()
+    from sjasim.sensors.depth_camera import Intrinsics
+
+    pinhole = Intrinsics.of(256, sensors.horizontal_fov_rad, sensors.vertical_fov_rad)
+    return SkeletonEstimator(pinhole, 0.91)
+
+
+def test_nobody_in_view_gives_nobody():
+    found = estimator().update(0.0, np.zeros((212, 256), np.uint16))
+    assert found.joints.shape == (0, 25, 3)
+    assert found.state.shape == (0, 25)
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [np.zeros((424, 512), np.uint16), np.full((212, 256), np.nan), np.zeros((212, 256), np.int32)],
+    ids=["shape", "nan", "type"],
+)
+def test_a_wrong_frame_is_refused(frame: np.ndarray):
+    with pytest.raises(SjasimError, match="depth frame of shape"):
+        estimator().update(0.0, frame)
+
+
+def test_somebody_out_of_sight_is_inferred_then_not_tracked_then_forgotten():
+    depths, _ = frames()
+    watching = estimator()
+    for tick, depth in enumerate(depths):
+        watching.update(tick / 30, depth)
+    states = []
+    for tick in range(len(depths), len(depths) + 120):
+        found = watching.update(tick / 30, np.zeros((212, 256), np.uint16))
+        states.append(found.state)
+        assert (np.isnan(found.joints[..., 0]) == (found.state == NOT_TRACKED)).all()
+    assert len(states[5]) == 3
+    assert (states[5] == 1).all()
+    assert (states[30] == NOT_TRACKED).all()
+    assert len(states[-1]) == 0
+
+
+def test_of_somebody_nearly_hidden_only_what_is_seen_is_told():
+    depths, _ = frames()
+    watching = estimator()
+    for tick, depth in enumerate(depths):
+        before = watching.update(tick / 30, depth)
+    held = depths[-1].copy()
+    held[70:] = 0
+    for tick in range(len(depths), len(depths) + 45):
+        found = watching.update(tick / 30, held)
+    trunk = found.state[:, posture_prior.TRUNK] == TRACKED
+    assert len(found.persons) == len(before.persons)
+    hidden = trunk.sum(axis=1) < LEAST_TRUNK
+    assert hidden.any()
+    assert np.isnan(found.joints[hidden, 0]).all()
+    assert not (found.state[hidden] == INFERRED).any()
+
+
+def test_more_than_six_are_not_all_tracked():
+    rng = np.random.default_rng(0)
+    depth = np.zeros((212, 256), np.uint16)
+    for index in range(9):
+        depth[30:190, 8 + 27 * index : 24 + 27 * index] = 2600 + rng.integers(0, 5, (160, 16))
+    watching = estimator()
+    for tick in range(5):
+        found = watching.update(tick / 30, depth)
+    assert 1 <= len(found.persons) <= 6
+
+
+def test_the_record_knows_who_is_who_and_what_is_visible():
+    trial = Trial(79, 3.5)
+    view, room = stage_dance(trial)
+    sensing = DepthSensing(room.mounts[0], SensorConfig(), 3, stream(0, "sensor"))
+    assert sensing.dancers.shape == (0,)
+    assert sensing.visible.shape == (0, 25)
+    for tick in range(4):
+        view.at(tick)
+        found = sensing.sample(view)
+    assert sorted(sensing.dancers.tolist()) == [0, 1, 2]
+    assert sensing.visible.shape == (3, 25)
+    assert sensing.visible[:, JOINT_INDEX["Head"]].all()
+    mount = room.mounts[0]
+    true = (view.joints_m[sensing.dancers] - mount.position) @ mount.world_from_sensor
+    assert np.linalg.norm(found.joints - true, axis=2)[:, JOINT_INDEX["SpineBase"]].max() < 0.08
+
+
+def test_frame_loss_has_the_given_rate():
+    view, room = stage_dance(Trial(79, 3.5))
+    sensing = DepthSensing(room.mounts[0], SensorConfig(frame_loss=0.5), 3, stream(0, "sensor"))
+    lost = sum(sensing.sample(view) is None for _ in range(60))
+    assert 15 < lost < 45
+
+
+def test_turning_dancers_keep_left_and_right():
+    outcome = run(Trial(81, 9.0, 0.0, turns=True))
+    assert report.errors([outcome])["swapped"] < 0.005
+
+
+def test_who_leaves_the_picture_goes_on_and_is_not_held_at_its_edge():
+    view, room = stage_dance(Trial(77, 3.5))
+    sensing = DepthSensing(room.mounts[0], SensorConfig(), 3, stream(0, "sensor"))
+    estimator = SkeletonEstimator(sensing.intrinsics, float(room.mounts[0].position[2]))
+    still = sensing.frame(view)
+    x_m = np.full((115, 3), np.nan)
+    for tick in range(len(x_m)):
+        shift = 2 * max(tick - 15, 0)
+        moved = np.zeros_like(still)
+        moved[:, : still.shape[1] - shift] = still[:, shift:]
+        found = estimator.update(tick / 30, moved)
+        for person, joints in zip(found.persons.tolist(), found.joints, strict=True):
+            x_m[tick, person] = joints[JOINT_INDEX["SpineBase"], 0]
+    assert np.nanmax(np.diff(x_m[20:], axis=0)) < 0.005
+    assert (np.nanmin(x_m, axis=0) < [-2.5, -2.3, -1.7]).all()
+
+
+@pytest.mark.slow
+def test_crossings_and_eclipses_change_no_identity():
+    from sjasim.skeleton_training.crossings import crossings, eclipses
+
+    assert crossings(7000, 8)["wrong"] == 0
+    assert crossings(8600, 2)["wrong"] == 0
+    assert eclipses(7000, 3)["wrong"] == 0
+
+
+@pytest.mark.slow
+def test_full_resolution_is_as_good():
+    view, room = stage_dance(Trial(77, 4.0, width_px=512))
+    outcome = perform(view, room, Trial(77, 4.0, width_px=512), 90)
+    assert report.errors([outcome])["median_cm"] < 2.5
+
+
+def test_leaves_that_point_everywhere_hardly_turn_anybody():
+    agreeing, torn, silent = certainty(np.array([[120.0, 60.0, 180.0], [3.0, -4.0, 180.0], [0.0, 0.0, 0.0]]))
+    assert agreeing == 1.0
+    assert torn < 0.02
+    assert silent == 0.0

@@ -1,0 +1,106 @@
+"""The world: faults in the plan, what dancers feel of the robot, and that advancing is bounded."""
+
+import dataclasses
+
+import pytest
+
+from sjasim.choreography.layout import layout
+from sjasim.choreography.timetable import timetable
+from sjasim.config import DanceConfig, FaultConfig, SessionConfig
+from sjasim.core import ROBOT, ClientStatus, Cue, Kind, Move, SyncRequest
+from sjasim.core.session_log import AgentEvent
+from sjasim.humans.motion.planner import PREVIEW_S, Planner
+from sjasim.simulation.cast import felt_error_s
+from sjasim.simulation.physics_world import PhysicsWorld
+
+CONFIG = SessionConfig(
+    humans="metronomic", sensing="joints", iterations=1, dance=DanceConfig(rehearsal=False, lead_in_s=1.0)
+)
+
+
+def world(*faults, robot=True):
+    config = dataclasses.replace(CONFIG, faults=faults)
+    place = layout(config.layout, config.group, config.room, config.sensors)
+    return PhysicsWorld(config, timetable(config), place, robot=robot)
+
+
+def advance(stage, until_s):
+    while stage.time_s < until_s:
+        stage.advance(until_s)
+
+
+def starts(stage, dancer):
+    return [cue.t_s for cue in stage.cues if cue.dancer == dancer]
+
+
+def test_advance_goes_from_turn_to_turn_and_never_beyond_the_time_asked():
+    stage = world()
+    tick_s = 1 / stage.stage.ticks.rate_hz
+    assert stage.time_s == 0.0
+    while stage.time_s < 0.3:
+        before = stage.time_s
+        stage.advance(0.3)
+        assert before < stage.time_s <= min(before + 3.5 * tick_s, 0.3 + tick_s)
+    assert stage.advance(stage.time_s) == []
+
+
+def test_a_clock_exchange_is_answered_on_the_devices_clock():
+    stage = world()
+    advance(stage, 0.1)
+    reply = stage.deliver(stage.time_s, stage.time_s - 0.001, SyncRequest("west", 0.05))
+    assert (reply.sensor, reply.t_server_send_s) == ("west", 0.05)
+    assert reply.t_device_send_s - reply.t_device_receive_s == pytest.approx(0.001, rel=1e-3)
+    assert abs(reply.t_device_send_s - stage.time_s) > 1e-3
+
+
+def test_a_dead_sensor_says_nothing_and_the_others_go_on():
+    stage = world(FaultConfig("dead_sensor", "south", 0.0))
+    heard = set()
+    while stage.time_s < 0.5:
+        heard |= {m.sensor for m in stage.advance(0.5) if isinstance(m, ClientStatus)}
+    assert heard == {"north", "west", "east"}
+
+
+def test_late_and_stopping_dancers_perform_other_cues_than_they_were_given():
+    clean, odd = (
+        world(),
+        world(FaultConfig("dancer_late", "dancer_1", 5.0, 0.5), FaultConfig("dancer_stops", "dancer_2", 9.0)),
+    )
+    for given, done in zip(starts(clean, "dancer_1"), starts(odd, "dancer_1"), strict=True):
+        assert done - given == pytest.approx(0.5 if given >= 5.0 else 0.0)
+    assert starts(odd, "dancer_2") == [t_s for t_s in starts(clean, "dancer_2") if t_s < 9.0]
+    assert starts(odd, "dancer_3") == starts(clean, "dancer_3")
+
+
+def test_without_a_robot_there_is_no_odometry():
+    stage = world(robot=False)
+    advance(stage, 0.2)
+    assert stage.ledger.odometry() == {}
+    assert stage.ledger.truth()["t_s"].size > 0
+
+
+def test_what_dancers_feel_of_the_robot_is_its_distance_from_their_mean():
+    cues = [Cue(f"dancer_{k}", Move.FORWARD, 1, 0, 0.0, 10.0 + 0.2 * k, 2.0) for k in range(3)]
+    clap = Cue("dancer_1", Move.CLAP, 1, 8, 32.0, 26.0, 0.0)
+    robot = [AgentEvent(1, ROBOT, Kind.START_FORWARD, 10.5), AgentEvent(1, ROBOT, Kind.TURN, 26.5)]
+    assert felt_error_s([*cues, clap], robot) == pytest.approx((0.3 + 0.5) / 2)
+    assert felt_error_s(cues, []) is None
+    assert felt_error_s([], robot) is None
+
+
+def test_every_move_is_planned_when_it_is_due_and_not_before(monkeypatch):
+    told = []
+    extend = Planner.extend
+
+    def watched(planner, cues, now_s):
+        told.extend((now_s, cue) for cue in cues)
+        extend(planner, cues, now_s)
+
+    monkeypatch.setattr(Planner, "extend", watched)
+    stage = world()
+    advance(stage, 14.0)
+    assert len(told) >= 3 * 3
+    assert {cue.t_s for _, cue in told} == {cue.t_s for cue in stage.cues if cue.t_s <= 14.0 + PREVIEW_S}
+    for now_s, cue in told:
+        due_s = max(0.0, cue.t_s - PREVIEW_S)
+        assert due_s - 1e-9 <= now_s < due_s + 1.5 / CONFIG.stage.balance_hz
