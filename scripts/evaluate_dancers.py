@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.table import Table
 
 from sjasim.config import BodyConfig
-from sjasim.simulation.motion_trials import FULL_RANGE, collision, dance, figures, pushed, timed_moves
+from sjasim.simulation.motion_trials import FULL_RANGE, collision, count_falls_after_push, dance, figures, timed_moves
 
 FREE = BodyConfig(FULL_RANGE.model, FULL_RANGE.stature_m, FULL_RANGE.mass_kg, tether="none")
 PUSH_NS = 20.0
@@ -68,9 +68,9 @@ def moves(seeds: range, pool: Parallel) -> Iterator[Row]:
 def pushes(seeds: range, pool: Parallel) -> Iterator[Row]:
     """Sideways pushes."""
     for walking in (False, True):
-        falls = sum(pool(delayed(pushed)(seed, PUSH_NS, walking=walking) for seed in seeds))
+        falls = sum(pool(delayed(count_falls_after_push)(seed, PUSH_NS, walking=walking) for seed in seeds))
         what = "walking" if walking else "standing"
-        yield at_most(f"falls of {3 * len(seeds)} {what}, pushed by {PUSH_NS:g} Ns", falls, 0)
+        yield at_most(f"falls of {3 * len(seeds)} {what}, count_falls_after_push by {PUSH_NS:g} Ns", falls, 0)
 
 
 def robot(seeds: range, pool: Parallel) -> Iterator[Row]:

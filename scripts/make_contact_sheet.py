@@ -19,7 +19,7 @@ from PIL import Image, ImageDraw, ImageFont
 from sjasim.choreography.layout import layout
 from sjasim.config import DanceConfig, SessionConfig
 from sjasim.core import Move
-from sjasim.simulation.motion_trials import FULL_RANGE, Rehearsal, figures
+from sjasim.simulation.motion_trials import FULL_RANGE, OpenLoopWorld, figures
 from sjasim.simulation.rendering import Renderer
 
 DANCES = ("paper", "march", "waltz")
@@ -35,9 +35,9 @@ def row(name: str, seed: int) -> list[tuple[str, np.ndarray]]:
         seed=seed, iterations=1, method="none", humans="metronomic", body=FULL_RANGE,
         dance=DanceConfig(name=name, rehearsal=False),
     )  # fmt: skip
-    trial = Rehearsal(config, robot=True)
+    trial = OpenLoopWorld(config, robot=True)
     mounts = layout(config.layout, config.group, config.room, config.sensors).mounts
-    camera = Renderer(trial.stage, *PANEL, mounts)
+    camera = Renderer(trial.physics, *PANEL, mounts)
     cues = [cue for cue in trial.cues if cue.dancer == "dancer_1"]
     chosen = [cues[0], cues[1], *cues[-2:]]
     pictures = []

@@ -19,7 +19,7 @@ import sjasim  # noqa: F401 - chooses an offscreen OpenGL before anything loads 
 import numpy as np  # isort: skip
 from PIL import Image
 
-from sjasim.analysis.delay_breakdown import insight
+from sjasim.analysis.delay_breakdown import delay_report
 from sjasim.config import SessionConfig
 from sjasim.record.rerun.recording import save
 from sjasim.record.rerun.viewer import screenshot
@@ -44,7 +44,7 @@ class Photographer:
         self.session = session
         self.room: np.ndarray | None = None
         self.film: np.ndarray | None = None
-        self._camera = Renderer(session.world.stage, *ROOM, session.layout.mounts)
+        self._camera = Renderer(session.world.physics, *ROOM, session.layout.mounts)
 
     def tick(self, now: float) -> None:
         """At every camera frame: whether the moment has come."""
@@ -81,7 +81,7 @@ def main() -> int:
     Image.fromarray(crew[0].film).save(options.out / "film.png", optimize=True)
     Image.fromarray(crew[0].room).save(options.out / "dance.png", optimize=True)
     crew[0].close()
-    found = insight(log)
+    found = delay_report(log)
     with tempfile.TemporaryDirectory() as place:
         recording = Path(place) / "session.rrd"
         save(log, recording, found)

@@ -5,7 +5,7 @@ python scripts/train_policy.py --minutes 10 --out runs/policy
 python -m sjasim.run --method learned --policy runs/policy/policy.npz
 
 The agent is told what an anticipation method is told, and each of its moves means the score's step nearest to it
-(`sjasim_envs.wrappers.Told`, `InOrder`), so that it dances afterwards as it was trained. It begins with a network that
+(`sjasim_envs.wrappers.MethodPolicy`, `InOrder`), so that it dances afterwards as it was trained. It begins with a network that
 mostly holds the move in force: an agent that sends every step as soon as it may would never find out what waiting is
 good for.
 """
@@ -105,7 +105,7 @@ class Scaled(gym.ObservationWrapper):
     """Features whose bounds are -2 and 2; the policy's file tells how.
 
     Args:
-        env: an environment wrapped in `Told`.
+        env: an environment wrapped in `MethodPolicy`.
     """
 
     def __init__(self, env: gym.Env) -> None:
@@ -125,9 +125,9 @@ def make(options: Options) -> Scaled:
         "sjasim:sjasim/Dance-v0", iterations=options.iterations, step_hz=options.step_hz, dance={"rehearsal": False},
         disable_env_checker=True,
     )  # fmt: skip
-    from sjasim_envs.wrappers import InOrder, Told
+    from sjasim_envs.wrappers import InOrder, MethodPolicy
 
-    return Scaled(Told(InOrder(env)))
+    return Scaled(MethodPolicy(InOrder(env)))
 
 
 def layers(model: PPO) -> list[torch.nn.Linear]:

@@ -121,7 +121,7 @@ def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:
     from .analysis.accuracy import detection_accuracy, skeleton_accuracy
     from .session.session import run_session, versions
 
-    seen: list[skeleton_accuracy.Sighting] = []
+    seen: list[skeleton_accuracy.JointObservation] = []
     found: list[detection_accuracy.Outcome] = []
     done: list[detection_accuracy.Execution] = []
     minutes = dict.fromkeys((design.sensing for design in designs), 0.0)

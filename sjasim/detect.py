@@ -18,8 +18,7 @@ from .commands.options import counted, main, parse
 from .config import DetectorConfig
 from .core.errors import ConfigError
 from .sensors.recordings.detect import Detected, events_of, recording
-from .sensors.recordings.interpolation import BRIDGE_S, SMOOTH_S, mended
-from .sensors.recordings.validation import doubts
+from .sensors.recordings.interpolation import BRIDGE_S, SMOOTH_S
 
 ABOUT = (
     "Starts, stops and claps in recorded joints (CSV or Parquet), as an event table (CSV) that sjasim.calibrate takes: "
@@ -66,10 +65,10 @@ def command(arguments: Sequence[str]) -> None:
     options = parse(Options, arguments, None, "python -m sjasim.detect", ABOUT)
     from .record.joint_table import read_joints
 
-    joints = mended(recording(*read_joints(options.joints)), options.bridge_s, options.smooth_s)
+    joints = preprocess(recording(*read_joints(options.joints)), options.bridge_s, options.smooth_s)
     found = events_of(joints, options.detectors)
     rows = _rows(found, options)
-    _tell(doubts(joints))
+    _tell(quality_warnings(joints))
     if not found:
         frames, persons = counted(len(joints.t_s), "frame"), counted(len(joints.persons), "person")
         _tell([f"no events in {frames} of {persons}"])

@@ -17,12 +17,12 @@ from rich.table import Table
 
 from .anticipation import method
 from .commands.options import config_from, main, parse
-from .commands.progress import signs_of_life
+from .commands.progress import progress_reporter
 from .config import SessionConfig
 from .config.toml_file import to_plain
 from .core.errors import ConfigError
 from .core.session_log import SessionLog
-from .record.rerun.explanation import Insight
+from .record.rerun.explanation import DelayReport
 
 ABOUT = "One dance session: dancers, sensors, server, robot; its figures as a table."
 
@@ -66,7 +66,7 @@ def command(arguments: Sequence[str]) -> None:
         method.build(config.method, config.method_options)
     check(options)
     with contextlib.ExitStack() as watching:
-        audience = Audience(options, watching) if options.view or options.video or options.log_depth else None
+        audience = SessionObservers(options, watching) if options.view or options.video or options.log_depth else None
         log = dance(config, audience)
         if audience is not None:
             log = audience.seen(log)
@@ -122,7 +122,7 @@ def check(options: Options) -> None:
         check_display("keep the session with --out DIR, and look at it elsewhere")
 
 
-class Audience:
+class SessionObservers:
     """Who watches a session while it is danced: the viewer, the film.
 
     Args:
@@ -144,31 +144,31 @@ class Audience:
     def prepare(self, session: Any) -> None:
         """Let them in, before the session begins."""
         if self._options.video is not None:
-            from .simulation.video import Film
+            from .simulation.video import VideoWriter
 
-            film = self._film = Film(session, self._options.video)
+            film = self._film = VideoWriter(session, self._options.video)
             self._closing.callback(lambda: film.close(keep=False) if self._film is not None else None)
             session.world.watchers.append(film.tick)
         if self._options.log_depth:
-            from .simulation.depth_recorder import DepthWatch
+            from .simulation.depth_recorder import DepthRecorder
 
-            self._depth = DepthWatch(session)
+            self._depth = DepthRecorder(session)
             session.world.watchers.append(self._depth.tick)
         if self._options.view:
-            from .record.rerun.live_view import Live
+            from .record.rerun.live_view import LiveView
 
-            live = self._live = Live(self._options.session)
+            live = self._live = LiveView(self._options.session)
             self._closing.callback(live.close)
             session.world.watchers.append(lambda now: live.tick(now, session.log))
 
-    def finish(self, log: SessionLog, insight: Insight) -> None:
+    def finish(self, log: SessionLog, report: DelayReport) -> None:
         """The dance is over."""
         if self._film is not None:
             self._film.close()
             self._film = None
             sys.stderr.write(f"film in {self._options.video}\n")
         if self._live is not None:
-            self._live.finish(log, insight)
+            self._live.finish(log, report)
 
     def linger(self) -> None:
         """Wait until the viewer is closed."""
@@ -177,22 +177,22 @@ class Audience:
             self._live.process.wait()
 
 
-def keep(log: SessionLog, options: Options, audience: Audience | None) -> Mapping[str, Any]:
+def keep(log: SessionLog, options: Options, audience: SessionObservers | None) -> Mapping[str, Any]:
     """Measure the session and write what was asked for; gives session.json's content."""
     from .analysis.session_metrics import measures
 
     summary = measures(log).as_dict()
     if options.out is None and options.plots is None and audience is None:
         return summary
-    from .analysis.delay_breakdown import insight
+    from .analysis.delay_breakdown import delay_report
 
-    found = insight(log)
+    found = delay_report(log)
     if audience is not None:
         audience.finish(log, found)
     if options.out is not None:
         from .record.session_folder import write
 
-        place = write(log, options.out, summary, insight=found, overwrite=options.overwrite)
+        place = write(log, options.out, summary, report=found, overwrite=options.overwrite)
         sys.stderr.write(f"kept in {place}\n")
     if options.plots is not None:
         from .analysis.plots import save_plots
@@ -210,14 +210,14 @@ def shown(summary: Mapping[str, Any], options: Options) -> None:
         show(summary, Console())
 
 
-def dance(config: SessionConfig, audience: Audience | None = None) -> SessionLog:
+def dance(config: SessionConfig, audience: SessionObservers | None = None) -> SessionLog:
     """Run the session, and say on stderr how far it is."""
     from .commands.compile_listener import told
     from .session.session import run_session
 
     watched = {} if audience is None else {"prepare": audience.prepare}
     dancing = f"dancing ({config.method}, {config.sensing} sensing, seed {config.seed})"
-    with signs_of_life(dancing) as signs, told(signs.compiling):
+    with progress_reporter(dancing) as signs, told(signs.compiling):
         return run_session(config, signs.dancing, **watched)
 
 

@@ -93,7 +93,7 @@ def prepared(folders: Sequence[Path], place: Path) -> tuple[Path, float]:
     Raises:
         RecordError: a folder is not a session's, or a recording is damaged.
     """
-    from .analysis.delay_breakdown import insight
+    from .analysis.delay_breakdown import delay_report
     from .record.rerun.recording import save_all
     from .record.rerun.rrd_reader import RECORDING, chunks, read_whole
     from .record.session_folder import read_summary
@@ -111,7 +111,7 @@ def prepared(folders: Sequence[Path], place: Path) -> tuple[Path, float]:
     if len(set(names)) < len(names):
         names = [f"{letter}-{name}" for letter, name in zip("AB", names, strict=False)]
     prefixes = names if len(names) > 1 else [""]
-    save_all({prefix: (log, insight(log)) for prefix, log in zip(prefixes, logs, strict=True)}, place / RECORDING)
+    save_all({prefix: (log, delay_report(log)) for prefix, log in zip(prefixes, logs, strict=True)}, place / RECORDING)
     return place / RECORDING, moment
 
 

@@ -10,7 +10,7 @@ from sjasim import characterise
 from sjasim.analysis.accuracy import detection_accuracy
 from sjasim.analysis.accuracy.detection_accuracy import ALL, BANDS, Execution, Outcome
 from sjasim.commands.options import main
-from sjasim.config import RoomConfig, SessionConfig
+from sjasim.config import SceneConfig, SessionConfig
 from sjasim.core import Kind
 
 NAN = math.nan
@@ -92,7 +92,7 @@ def test_a_tiny_run_leaves_numbers_and_a_page(tmp_path, capsys):
 
 
 def test_own_slots_are_those_of_the_custom_layout():
-    common = SessionConfig(room=RoomConfig(slots_m=((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))))
+    common = SessionConfig(room=SceneConfig(slots_m=((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))))
     designs = characterise.Options(common, sessions=2, layouts=("rows", "custom"), sensings=("joints",)).designs()
     assert [(one.layout, one.seed, len(one.room.slots_m)) for one in designs] == [
         ("rows", 0, 0), ("rows", 1, 0), ("custom", 0, 4), ("custom", 1, 4),

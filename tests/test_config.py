@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from sjasim import config
-from sjasim.config import FAULTS, BodyConfig, FaultConfig, SessionConfig, StageConfig
+from sjasim.config import FAULTS, BodyConfig, FaultConfig, PhysicsConfig, SessionConfig
 from sjasim.core.errors import ConfigError
 
 ROOMS = [field.name for field in dataclasses.fields(SessionConfig) if dataclasses.is_dataclass(field.default)]
@@ -67,10 +67,10 @@ def test_faults_are_of_known_kinds_and_sizes():
 def test_without_a_tether_balance_is_fast_unless_rates_are_given():
     free = BodyConfig(tether="none")
     assert SessionConfig(body=free).stage.balance_hz == 240
-    assert SessionConfig(body=free, stage=StageConfig(rate_hz=300, balance_hz=100)).stage.balance_hz == 100
+    assert SessionConfig(body=free, stage=PhysicsConfig(rate_hz=300, balance_hz=100)).stage.balance_hz == 100
     assert SessionConfig().stage.balance_hz == 50
-    logged = SessionConfig(body=free, stage=StageConfig(truth_hz=25)).stage
-    assert logged == StageConfig(rate_hz=240, balance_hz=240, truth_hz=25)
+    logged = SessionConfig(body=free, stage=PhysicsConfig(truth_hz=25)).stage
+    assert logged == PhysicsConfig(rate_hz=240, balance_hz=240, truth_hz=25)
 
 
 def test_depth_sensing_follows_six_people_and_says_so():

@@ -1,4 +1,4 @@
-"""The command on a laboratory's files: doubts on stderr, units refused, an event table that calibrate takes."""
+"""The command on a laboratory's files: quality_warnings on stderr, units refused, an event table that calibrate takes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from sjasim import calibrate, detect
 from sjasim.assets.names import JOINT_INDEX, JOINTS
 from sjasim.commands.options import main
 from sjasim.sensors.recordings.detect import recording
-from sjasim.sensors.recordings.validation import doubts
 
 from .sensors.recordings.scripted_recordings import Flaws, record
 
@@ -91,7 +90,7 @@ def test_other_units_are_refused_in_a_line(tmp_path, capsys, metres, seconds, wo
 def doubted(change, flaws: Flaws = STILL) -> list[str]:
     times, joints = record(flaws, 0, until_s=12.0)
     change(joints)
-    return [line for line in doubts(recording(times, joints)) if line.startswith("person 1")]
+    return [line for line in quality_warnings(recording(times, joints)) if line.startswith("person 1")]
 
 
 def test_what_hides_events_is_said_of_whom():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sjasim import export, view
-from sjasim.analysis.delay_breakdown import insight
+from sjasim.analysis.delay_breakdown import delay_report
 from sjasim.analysis.session_metrics import measures
 from sjasim.commands.options import main
 from sjasim.record import atomic_folder, session_folder
@@ -32,7 +32,7 @@ def log():
 @pytest.fixture(scope="module")
 def kept(log, tmp_path_factory):
     target = tmp_path_factory.mktemp("runs") / "one"
-    return session_folder.write(log, target, measures(log).as_dict(), insight=insight(log))
+    return session_folder.write(log, target, measures(log).as_dict(), report=delay_report(log))
 
 
 @pytest.fixture
@@ -186,15 +186,15 @@ def test_a_live_session_reaches_a_viewer_that_only_this_machine_can_reach(log):
     import rerun as rr
 
     from sjasim.config.toml_file import from_plain
-    from sjasim.record.rerun.live_view import Live
+    from sjasim.record.rerun.live_view import LiveView
     from sjasim.record.rerun.viewer import answering
 
-    live = Live(from_plain(log.config), headless=True)
+    live = LiveView(from_plain(log.config), headless=True)
     try:
         answering(live.process, live.url)
         for now in (5.0, 10.0, 20.0):
             live.tick(now, lambda: log)
-        live.finish(log, insight(log))
+        live.finish(log, delay_report(log))
         state = rr.experimental.ViewerClient.connect(live.url).get_state()
         assert [item.store_id.rpartition(":")[2] for item in state.recordings] == ["sia-0-live"]
         doors = [c.laddr.ip for c in psutil.Process(live.process.pid).net_connections() if c.status == "LISTEN"]

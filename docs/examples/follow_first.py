@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sjasim.core import Event
-from sjasim.core.method_io import Answer, Brief, Intention
+from sjasim.core.method_io import MethodAction, MethodContext, ScheduleCommand
 
 
 @dataclass(frozen=True)
@@ -27,12 +27,12 @@ class FollowFirst:
     def __init__(self, config: FollowFirstConfig = FollowFirstConfig()) -> None:
         self._config = config
 
-    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
+    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
         """Begin a dance: remember when each step falls on the music."""
         self._steps = brief.steps
         self._brief = brief
 
-    def on_event(self, event: Event) -> Sequence[Answer]:
+    def on_event(self, event: Event) -> Sequence[MethodAction]:
         """Send the command of the nearest step of this kind at once."""
         if event.person != self._config.dancer or event.iteration == 0:
             return ()
@@ -42,16 +42,16 @@ class FollowFirst:
             return ()
         nearest = min(steps, key=lambda step: abs(step.beat - beat))
         why = f"{event.kind} of {event.person}{', early' if event.early else ''}"
-        return (Intention(event.iteration, nearest.ordinal, event.t_arrival_s, why, event.person),)
+        return (ScheduleCommand(event.iteration, nearest.ordinal, event.t_arrival_s, why, event.person),)
 
-    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
+    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
         """Nothing to prepare."""
         return ()
 
-    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
+    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
         """Nothing to learn."""
         return ()
 
-    def on_wake(self, t_s: float) -> Sequence[Answer]:
+    def on_timer(self, t_s: float) -> Sequence[MethodAction]:
         """No timers."""
         return ()

@@ -2,9 +2,9 @@
 
 import gymnasium as gym
 import numpy as np
-from sjasim_envs.wrappers import InOrder, Told
+from sjasim_envs.wrappers import InOrder, MethodPolicy
 
-env = Told(InOrder(gym.make("sjasim:sjasim/Dance-v0", iterations=1, step_hz=6, dance={"rehearsal": False})))
+env = MethodPolicy(InOrder(gym.make("sjasim:sjasim/Dance-v0", iterations=1, step_hz=6, dance={"rehearsal": False})))
 rng, best, weights, high = np.random.default_rng(0), -np.inf, 0.0, env.observation_space.high
 for episode in range(12):
     observation, info = env.reset(seed=0)

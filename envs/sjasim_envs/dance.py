@@ -22,12 +22,12 @@ from sjasim.config import SessionConfig
 from sjasim.config.toml_file import from_plain
 from sjasim.core import Event, Move
 from sjasim.core.errors import SjasimError
-from sjasim.core.method_io import Answer, Brief
+from sjasim.core.method_io import MethodAction, MethodContext
 from sjasim.humans.body.mjcf import body_model
 from sjasim.session.session import Session
 from sjasim.simulation.cast import people
 from sjasim.simulation.rendering import Renderer
-from sjasim.simulation.viewer_window import Window
+from sjasim.simulation.viewer_window import ViewerWindow
 
 from .observation import Observer
 from .reward import RewardConfig, Scorer
@@ -42,22 +42,22 @@ OPTIONS = ("humans", "people", "faults", "method")
 class Agent:
     """The method of a session that is driven from outside: it hears everything and answers nothing."""
 
-    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
+    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
         """Nothing to prepare."""
 
-    def on_event(self, event: Event) -> Sequence[Answer]:
+    def on_event(self, event: Event) -> Sequence[MethodAction]:
         """No answer."""
         return ()
 
-    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
+    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
         """No answer."""
         return ()
 
-    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
+    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
         """No answer."""
         return ()
 
-    def on_wake(self, t_s: float) -> Sequence[Answer]:
+    def on_timer(self, t_s: float) -> Sequence[MethodAction]:
         """No answer."""
         return ()
 
@@ -112,10 +112,10 @@ class _Dance(gym.Env[Any, Any]):
         self.metadata = {**self.metadata, "render_fps": step_hz}
         self.render_mode = render_mode
         self._size = width, height
-        self._pictures: Renderer | Window | None = None
+        self._pictures: Renderer | ViewerWindow | None = None
         try:
             if render_mode == "human":
-                Window.check()
+                ViewerWindow.check()
             Renderer.check(width, height)
             if self.config.method != AGENT:
                 build(self.config.method, self.config.method_options)
@@ -204,11 +204,11 @@ class _Dance(gym.Env[Any, Any]):
         if self.render_mode is None:
             gym.logger.warn("render() without a render_mode: gymnasium.make(..., render_mode='rgb_array')")
             return None
-        stage = self.session.world.stage
+        physics = self.session.world.physics
         try:
             if self._pictures is None:
                 self._pictures = (
-                    Window(stage) if self.render_mode == "human" else Renderer(stage, *self._size, fine=False)
+                    ViewerWindow(physics) if self.render_mode == "human" else Renderer(physics, *self._size, fine=False)
                 )
         except SjasimError as problem:
             raise error.DependencyNotInstalled(str(problem)) from problem

@@ -38,11 +38,11 @@ def profile_env() -> dict[str, Any]:
     """
     env: Any = _begun()
     session = env.unwrapped.session
-    stage, count = session.world.stage, int(session.end_s * 30)
-    start = (stage.data.qpos.copy(), stage.data.qvel.copy())
+    physics, count = session.world.physics, int(session.end_s * 30)
+    start = (physics.data.qpos.copy(), physics.data.qvel.copy())
     controls = instrument(Meter(), session)
     actions = _danced(env, count)
-    dances = [_turns(_begun(), Bare(stage.model, start, controls), actions) for _ in range(DANCES)]
+    dances = [_turns(_begun(), Bare(physics.model, start, controls), actions) for _ in range(DANCES)]
     cpu_s, raw_cpu_s = np.median(dances, axis=0).sum(axis=0).tolist()
     return {"env_steps": count, "env_cpu_s": cpu_s, "env_raw_cpu_s": raw_cpu_s}
 
@@ -56,15 +56,15 @@ def _begun() -> gym.Env[Any, Any]:
 
 def _turns(env: Any, bare: Bare, actions: list[int]) -> list[tuple[float, float]]:
     """CPU time of environment and bare physics, turn by turn [s]."""
-    stage, spent_s = env.unwrapped.session.world.stage, []
+    physics, spent_s = env.unwrapped.session.world.physics, []
     for done in range(0, len(actions), TURN_STEPS):
         begin = time.process_time()
         for action in actions[done : done + TURN_STEPS]:
             env.step(action)
         middle = time.process_time()
-        bare.advance(stage.tick)
+        bare.advance(physics.tick)
         spent_s.append((middle - begin, time.process_time() - middle))
-    if not np.array_equal(bare.data.qpos, stage.data.qpos):
+    if not np.array_equal(bare.data.qpos, physics.data.qpos):
         raise AssertionError("the replayed physics went another way than the environment's")
     return spent_s
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from gymnasium import error
 
-from sjasim.analysis.group_metrics import together
+from sjasim.analysis.group_metrics import group_metrics
 from sjasim.anticipation.event_history import nominal_times
 from sjasim.anticipation.observation import iteration_at
 from sjasim.anticipation.timing_appropriateness import ideal_times
@@ -196,12 +196,12 @@ class Scorer:
 
     def _look(self, now: float, interval_s: float) -> None:
         """Judge where the robot is, and whom it touches."""
-        config, stage = self.config, self.session.world.stage
-        if stage.contacts.bumped():
+        config, physics = self.config, self.session.world.physics
+        if physics.contacts.bumped():
             self.terms["reward_collision"] -= config.collision * interval_s
         if now > self._until_s:
             self._face(now)
-        x, y, _ = stage.robot_pose()
+        x, y, _ = physics.robot_pose()
         x, y = x - self._slot[0], y - self._slot[1]
         cos, sin = self._ahead
         ahead, aside = x * cos + y * sin, y * cos - x * sin
@@ -231,7 +231,7 @@ def figures(session: Session, iteration: int) -> dict[str, object]:
         if not event.early and event.iteration <= iteration
     ]
     events = [*logged, *session.world.robot_events]
-    rows = together(events, session.config, session.timetable, session.followed, iteration)
+    rows = group_metrics(events, session.config, session.timetable, session.followed, iteration)
     row = rows[-1]
     robot, dancers = row.steps_s[-1], row.steps_s[:-1]
     finite = row.ta_s[np.isfinite(row.ta_s)]

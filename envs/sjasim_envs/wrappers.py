@@ -15,7 +15,7 @@ from sjasim.session.session import Session
 PARTS = ("beat", "command", "event_age", "iteration", "last_iteration")
 
 
-class Told(gym.ObservationWrapper[Row, Any, dict[str, Row]]):
+class MethodPolicy(gym.ObservationWrapper[Row, Any, dict[str, Row]]):
     """What an anticipation method is told and nothing else: no skeletons, no odometry.
 
     The numbers and their order are those of `sjasim.anticipation.features.Features.row`, so that a policy trained
@@ -32,7 +32,7 @@ class Told(gym.ObservationWrapper[Row, Any, dict[str, Row]]):
         super().__init__(env)
         named = env.observation_space
         if not isinstance(named, spaces.Dict) or not set(PARTS) <= set(named):
-            raise error.Error(f"Told needs an observation with the parts {', '.join(PARTS)}, not {named}")
+            raise error.Error(f"MethodPolicy needs an observation with the parts {', '.join(PARTS)}, not {named}")
         low, high = (
             self.observation({name: getattr(named[name], bound) for name in PARTS}) for bound in ("low", "high")
         )

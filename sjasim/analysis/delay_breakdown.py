@@ -10,30 +10,30 @@ from ..choreography.timetable import timetable
 from ..config.toml_file import from_plain
 from ..core import Array, Event, Kind, MoveCommand, dancer_name
 from ..core.session_log import AgentEvent, Decision, SessionLog
-from ..record.rerun.explanation import STAGES, Graph, Insight, StepStory
+from ..record.rerun.explanation import STAGES, DelayReport, Graph, StepDelay
 from .component_quality import clock_errors, mean_delay_s, sent_times
 from .ground_truth_events import dancer_events, robot_events
-from .group_metrics import Togetherness, together
+from .group_metrics import GroupSynchronyRow, group_metrics
 
 NAN = float("nan")
 RECENT_S = 4.0
 """A command may answer an event no older than this."""
 
 
-def insight(log: SessionLog) -> Insight:
+def delay_report(log: SessionLog) -> DelayReport:
     """Find everything that a recording shows beside the log.
 
-    A session that was cut short has an insight too; figures of what is missing are NaN.
+    A session that was cut short has an report too; figures of what is missing are NaN.
     """
     config = from_plain(log.config)
     table = timetable(config)
     logged = [AgentEvent(e.iteration, e.person, e.kind, e.t_s) for e in log.events if not e.early]
     true = [*dancer_events(log.truth, log.cues, table), *robot_events(log.odometry, table)]
-    rows = together([*logged, *log.robot_events], config, table, log.followed)
-    true_rows = together(true, config, table, log.followed)
+    rows = group_metrics([*logged, *log.robot_events], config, table, log.followed)
+    true_rows = group_metrics(true, config, table, log.followed)
     sent_s = sent_times(log.events, log.device_events, mean_delay_s(config.network))
     latency_s = config.sensors.latency_frames / config.sensors.rate_hz
-    return Insight(
+    return DelayReport(
         graphs=tuple(_graph(row, real, table) for row, real in zip(rows, true_rows, strict=True)),
         steps=_steps(log, true_rows, table, (latency_s, sent_s)) if config.method != "none" else (),
         ta=_ta(rows, table),
@@ -41,7 +41,7 @@ def insight(log: SessionLog) -> Insight:
     )
 
 
-def _graph(row: Togetherness, real: Togetherness, table: Timetable) -> Graph:
+def _graph(row: GroupSynchronyRow, real: GroupSynchronyRow, table: Timetable) -> Graph:
     graph = row.graph
     return Graph(
         t_s=table.close_s(row.iteration),
@@ -57,7 +57,7 @@ def _graph(row: Togetherness, real: Togetherness, table: Timetable) -> Graph:
     )
 
 
-def _ta(rows: list[Togetherness], table: Timetable) -> tuple[tuple[float, float], ...]:
+def _ta(rows: list[GroupSynchronyRow], table: Timetable) -> tuple[tuple[float, float], ...]:
     found = []
     for row in rows:
         for robot_s, value in zip(row.steps_s[-1], row.ta_s, strict=False):
@@ -67,8 +67,8 @@ def _ta(rows: list[Togetherness], table: Timetable) -> tuple[tuple[float, float]
 
 
 def _steps(
-    log: SessionLog, rows: list[Togetherness], table: Timetable, way: tuple[float, Array]
-) -> tuple[StepStory, ...]:
+    log: SessionLog, rows: list[GroupSynchronyRow], table: Timetable, way: tuple[float, Array]
+) -> tuple[StepDelay, ...]:
     commands = {(order.iteration, order.ordinal): order for order in reversed(log.commands)}
     sent = {(item.iteration, item.ordinal): item for item in log.decisions if item.action == "sent"}
     last = {(item.iteration, item.ordinal): item for item in log.decisions}
@@ -84,7 +84,7 @@ def _steps(
             why = (decision or last.get(key) or _NOTHING).why
             follows = decision.person if decision is not None else ""
             stories.append(
-                StepStory(*key, step.kind, float(mean_s[step.ordinal]), float(times_s[-1]), follows, parts, why)
+                StepDelay(*key, step.kind, float(mean_s[step.ordinal]), float(times_s[-1]), follows, parts, why)
             )
     return tuple(story for story in stories if np.isfinite(story.t_s))
 
@@ -101,7 +101,7 @@ def _parts(
     mean_s: float,
     way: tuple[float, Array],
 ) -> tuple[float, ...]:
-    """Where the time between the group's mean and the robot's motion went; see `record.insight.STAGES`.
+    """Where the time between the group's mean and the robot's motion went; see `record.rerun.explanation.STAGES`.
 
     ``way`` is the sensors' latency [s], and when each of the log's events was sent [s].
     """

@@ -21,7 +21,7 @@ Events = Sequence[AgentEvent]
 
 
 @dataclass(frozen=True, slots=True)
-class Togetherness:
+class GroupSynchronyRow:
     """One iteration of one set of events (logged or true).
 
     Attributes:
@@ -45,13 +45,13 @@ class Togetherness:
     ta_s: Array
 
 
-def together(
+def group_metrics(
     events: Events,
     config: SessionConfig,
     timetable: Timetable,
     followed: Sequence[Followed],
     until: int | None = None,
-) -> list[Togetherness]:
+) -> list[GroupSynchronyRow]:
     """Measure every danced iteration.
 
     Args:
@@ -66,7 +66,7 @@ def together(
     agents = cast if config.method == "none" else [*cast, ROBOT]
     tau, one_to_one = config.synchrony.tau_s, config.synchrony.one_to_one
     before = None
-    rows: list[Togetherness] = []
+    rows: list[GroupSynchronyRow] = []
     for iteration in range(timetable.first, (timetable.last if until is None else until) + 1):
         series = _series(events, agents, iteration, timetable.start_s(iteration))
         dancers = {name: series[name] for name in cast}
@@ -79,12 +79,12 @@ def together(
             full = group_index(series, "full", tau=tau, one_to_one=one_to_one).gsi
             steps = _steps(series, timetable, iteration)
             ta_s = np.zeros(0) if config.method == "none" else timing_appropriateness(steps[-1], steps[:-1])
-            rows.append(Togetherness(iteration, paper, paper.gsi, full, msp, leader, steps, ta_s))
+            rows.append(GroupSynchronyRow(iteration, paper, paper.gsi, full, msp, leader, steps, ta_s))
         before = msp if any(len(kinds) for _, kinds in dancers.values()) else before
     return rows
 
 
-def net_latencies(rows: Sequence[Togetherness], timetable: Timetable) -> dict[str, Array]:
+def net_latencies(rows: Sequence[GroupSynchronyRow], timetable: Timetable) -> dict[str, Array]:
     """Robot's event minus the followed dancer's, by event kind [s]; empty where nobody is followed."""
     steps = timetable.choreography.steps()
     gaps: dict[str, list[float]] = {step.kind.value: [] for step in steps}

@@ -17,7 +17,7 @@ from ..config.toml_file import from_plain
 from ..core import ROBOT, Array, Kind, Move, dancer_name
 from ..core.errors import RecordError
 from ..core.session_log import SessionLog
-from ..record.rerun.explanation import STAGES, Graph, Insight
+from ..record.rerun.explanation import STAGES, DelayReport, Graph
 from .ground_truth_events import dancer_events, robot_events
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ MARKERS = {
     Kind.CLAP: ("*", "clap"), Kind.TURN: ("*", "turn"),
 }  # fmt: skip
 PART_COLOURS = ("#CC79A7", "#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")
-"""One for each of `record.insight.STAGES`."""
+"""One for each of `record.rerun.explanation.STAGES`."""
 
 PART_NAMES = {
     "dancer": "followed dancer behind the mean", "sensor": "sensor", "detector": "detector",
@@ -56,12 +56,12 @@ def check_plots(folder: Path, overwrite: bool) -> None:
         raise RecordError(f"{folder / held[0]} exists: name another folder, or allow it with --overwrite")
 
 
-def save_plots(log: SessionLog, insight: Insight, folder: Path, overwrite: bool = False) -> list[Path]:
+def save_plots(log: SessionLog, report: DelayReport, folder: Path, overwrite: bool = False) -> list[Path]:
     """Write every figure that the session gives rise to.
 
     Args:
         log: the session.
-        insight: what follows from it.
+        report: what follows from it.
         folder: where to; made if absent.
         overwrite: whether earlier plots may be replaced.
 
@@ -73,11 +73,11 @@ def save_plots(log: SessionLog, insight: Insight, folder: Path, overwrite: bool 
     """
     check_plots(folder, overwrite)
     config = from_plain(log.config)
-    figures = {"raster.png": raster(log, config), "graph.png": graphs(insight.graphs)}
-    if insight.ta:
-        figures["timing.png"] = timing([value for _, value in insight.ta])
-    if any(np.isfinite(step.late_s) for step in insight.steps):
-        figures["delays.png"] = delays(insight)
+    figures = {"raster.png": raster(log, config), "graph.png": graphs(report.graphs)}
+    if report.ta:
+        figures["timing.png"] = timing([value for _, value in report.ta])
+    if any(np.isfinite(step.late_s) for step in report.steps):
+        figures["delays.png"] = delays(report)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, figure in figures.items():
@@ -153,10 +153,10 @@ def graphs(found: Sequence[Graph]) -> Figure:
     return figure
 
 
-def delays(insight: Insight) -> Figure:
+def delays(report: DelayReport) -> Figure:
     """Where the time between the dancers' mean and the robot's motion goes, by event kind."""
-    led = [step for step in insight.steps if step.follows]
-    told = led or insight.steps
+    led = [step for step in report.steps if step.follows]
+    told = led or report.steps
     kinds = list(dict.fromkeys(step.kind for step in told))
     figure = _figure(9.0, 1.8 + 0.5 * len(kinds))
     axes = figure.add_subplot()

@@ -28,7 +28,7 @@ from .component_quality import (
     sent_times,
 )
 from .ground_truth_events import dancer_events, robot_events
-from .group_metrics import Togetherness, net_latencies, together
+from .group_metrics import GroupSynchronyRow, group_metrics, net_latencies
 
 SCHEMA = 1
 """Version of session.json."""
@@ -154,8 +154,8 @@ def measures(log: SessionLog) -> Measures:
     ]
     logged += log.robot_events
     onsets = dancer_events(log.truth, log.cues, table)
-    rows = together(logged, config, table, log.followed)
-    true_rows = together([*onsets, *robot_events(log.odometry, table)], config, table, log.followed)
+    rows = group_metrics(logged, config, table, log.followed)
+    true_rows = group_metrics([*onsets, *robot_events(log.odometry, table)], config, table, log.followed)
     iterations = tuple(_iteration(row, true, logged, table) for row, true in zip(rows, true_rows, strict=True))
     ta_s = _finite(rows)
     sent_s = sent_times(log.events, log.device_events, mean_delay_s(config.network))
@@ -183,7 +183,7 @@ def measures(log: SessionLog) -> Measures:
 
 
 def _iteration(
-    row: Togetherness, true: Togetherness, logged: Sequence[AgentEvent], table: Timetable
+    row: GroupSynchronyRow, true: GroupSynchronyRow, logged: Sequence[AgentEvent], table: Timetable
 ) -> IterationMeasures:
     own = [event.agent for event in logged if event.iteration == row.iteration]
     robot = own.count(ROBOT)
@@ -208,7 +208,7 @@ def _iteration_dict(row: IterationMeasures) -> dict[str, object]:
     return {**plain, "events": events, "robot_missed": missed}
 
 
-def _finite(rows: Sequence[Togetherness]) -> list[float]:
+def _finite(rows: Sequence[GroupSynchronyRow]) -> list[float]:
     return [float(value) for row in rows for value in row.ta_s if np.isfinite(value)]
 
 

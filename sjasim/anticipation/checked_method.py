@@ -9,10 +9,10 @@ from reprlib import repr as shortened
 import numpy as np
 
 from ..core.errors import HookError, PluginError, SjasimError
-from ..core.method_io import Answer, Brief, Intention, Wake, Withdrawal
+from ..core.method_io import CancelCommand, MethodAction, MethodContext, ScheduleCommand, SetTimer
 from .method import Follower, Method
 
-WANTED = "a sequence of Intention, Withdrawal and Wake is wanted"
+WANTED = "a sequence of ScheduleCommand, CancelCommand and SetTimer is wanted"
 FIELDS: dict[str, tuple[type, str]] = {
     "iteration": (Integral, "a whole number"),
     "ordinal": (Integral, "a whole number"),
@@ -23,7 +23,7 @@ FIELDS: dict[str, tuple[type, str]] = {
 """Field of an answer -> its type, and that in words."""
 
 
-class Hooks:
+class CheckedMethod:
     """Calls a method's hooks, and refuses answers that nobody could act upon.
 
     Args:
@@ -36,7 +36,7 @@ class Hooks:
         self._method = method
         self._cast: tuple[str, ...] = ()
 
-    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
+    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
         """Begin a dance.
 
         Raises:
@@ -45,7 +45,7 @@ class Hooks:
         self._cast = brief.cast
         self._call("reset", 0.0, (brief, rng))
 
-    def ask(self, hook: str, told_s: float, given: tuple[object, ...]) -> Sequence[Answer]:
+    def ask(self, hook: str, told_s: float, given: tuple[object, ...]) -> Sequence[MethodAction]:
         """A hook's answers.
 
         Args:
@@ -54,7 +54,7 @@ class Hooks:
             given: the hook's arguments.
 
         Raises:
-            PluginError: the answer is none, or a `Wake` does not lie in the future.
+            PluginError: the answer is none, or a `SetTimer` does not lie in the future.
             HookError: the method's own code failed.
         """
         answers = self._call(hook, told_s, given)
@@ -97,14 +97,14 @@ class Hooks:
 
     def _check(self, hook: str, told_s: float, item: object) -> None:
         """Refuse an answer of another type, with a field of another type, or a time to wake at that has passed."""
-        if not isinstance(item, Intention | Withdrawal | Wake):
+        if not isinstance(item, ScheduleCommand | CancelCommand | SetTimer):
             raise PluginError(f"{self._name}.{hook} returned {shortened(item)} among its answers; {WANTED}")
         for field, (kind, words) in FIELDS.items():
             if hasattr(item, field) and not isinstance(value := getattr(item, field), kind):
                 answer = f"{type(item).__name__}.{field} = {value!r}"
                 raise PluginError(f"{self._name}.{hook}: {answer} is not allowed: {words}")
-        if isinstance(item, Wake) and not told_s < item.t_s < np.inf:
+        if isinstance(item, SetTimer) and not told_s < item.t_s < np.inf:
             raise PluginError(
-                f"{self._name}.{hook}: Wake.t_s = {item.t_s:g} is not allowed at session time {told_s:g} s: "
-                "a Wake must lie in the future"
+                f"{self._name}.{hook}: SetTimer.t_s = {item.t_s:g} is not allowed at session time {told_s:g} s: "
+                "a SetTimer must lie in the future"
             )

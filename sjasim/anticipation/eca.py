@@ -12,10 +12,10 @@ import numpy as np
 
 from ..core import Event
 from ..core.errors import ConfigError
-from ..core.method_io import Answer, Brief, Intention
+from ..core.method_io import MethodAction, MethodContext, ScheduleCommand
 from ..core.registry import register
 from .event_history import History
-from .scheduled_method import LEAD_S, Scheduling
+from .scheduled_method import LEAD_S, ScheduledMethod
 from .timing_appropriateness import EPSILON_S
 
 
@@ -38,7 +38,7 @@ class EcaConfig:
 
 
 @register("anticipation", "eca", config=EcaConfig)
-class Eca(Scheduling):
+class Eca(ScheduledMethod):
     """ECA: when an iteration closes, schedules the next one at the mean of each event's cluster.
 
     A step that fewer than two dancers did together keeps its last time, first the nominal beat; so does a whole
@@ -51,21 +51,21 @@ class Eca(Scheduling):
     def __init__(self, config: EcaConfig = EcaConfig()) -> None:
         self._config = config
 
-    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
+    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
         """Begin a dance."""
         super().reset(brief, rng)
         self._history = History(brief, self._config.epsilon_s)
 
-    def on_event(self, event: Event) -> Sequence[Answer]:
+    def on_event(self, event: Event) -> Sequence[MethodAction]:
         """Remember; never answer."""
         self._history.add(event)
         return ()
 
-    def _schedule(self, iteration: int) -> Sequence[Answer]:
+    def _schedule(self, iteration: int) -> Sequence[MethodAction]:
         return scheduled(self._brief, self._history, iteration, self._config.lead_s)
 
 
-def scheduled(brief: Brief, history: History, iteration: int, lead_s: float) -> tuple[Intention, ...]:
+def scheduled(brief: MethodContext, history: History, iteration: int, lead_s: float) -> tuple[ScheduleCommand, ...]:
     """Learn from the iteration before, and answer with one intention for each step.
 
     Args:
@@ -77,7 +77,7 @@ def scheduled(brief: Brief, history: History, iteration: int, lead_s: float) -> 
     fresh = history.learn(iteration - 1)
     start = brief.iteration_start_s[iteration]
     return tuple(
-        Intention(
+        ScheduleCommand(
             iteration,
             step.ordinal,
             start + float(history.schedule[index]) - lead_s,

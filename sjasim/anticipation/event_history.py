@@ -7,12 +7,12 @@ from collections import defaultdict
 import numpy as np
 
 from ..core import Array, Event, Kind
-from ..core.method_io import Brief
+from ..core.method_io import MethodContext
 from .synchrony import Series
 from .timing_appropriateness import ideal_times, occurrences
 
 
-def nominal_times(brief: Brief, iteration: int) -> Array:
+def nominal_times(brief: MethodContext, iteration: int) -> Array:
     """(K,) times of the brief's steps after beat 0 of an iteration, by the music alone [s]."""
     start_s = brief.iteration_start_s[iteration]
     return np.array([brief.time_s(iteration, step.beat) - start_s for step in brief.steps])
@@ -28,7 +28,7 @@ class History:
         epsilon_s: width of a cluster's links [s].
     """
 
-    def __init__(self, brief: Brief, epsilon_s: float) -> None:
+    def __init__(self, brief: MethodContext, epsilon_s: float) -> None:
         self._brief = brief
         self._epsilon_s = epsilon_s
         self._events: dict[int, dict[str, list[tuple[float, Kind]]]] = defaultdict(

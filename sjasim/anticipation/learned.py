@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core import Array, Event, Kind, Move
 from ..core.errors import ConfigError
-from ..core.method_io import Answer, Brief, Intention, Wake
+from ..core.method_io import MethodAction, MethodContext, ScheduleCommand, SetTimer
 from ..core.registry import register
 from .observation import MOVES, Features, iteration_at
 
@@ -103,7 +103,7 @@ class Steps:
         brief: the dance.
     """
 
-    def __init__(self, brief: Brief) -> None:
+    def __init__(self, brief: MethodContext) -> None:
         self._brief = brief
         self._last = (0, -1)
         self._beats = [
@@ -148,7 +148,7 @@ class Learned:
     def __init__(self, config: LearnedConfig) -> None:
         self._network = Network.read(config.policy)
 
-    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
+    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
         """Begin a dance.
 
         Raises:
@@ -163,31 +163,31 @@ class Learned:
         if width != len(self._network.mean):
             raise ConfigError("learned.policy", len(self._network.mean), f"a policy of {width} features")
 
-    def on_event(self, event: Event) -> Sequence[Answer]:
+    def on_event(self, event: Event) -> Sequence[MethodAction]:
         """Remember."""
         self._features.add(event)
         return ()
 
-    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
+    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
         """Begin to ask."""
         if self._begun:
             return ()
         self._begun = True
-        return self.on_wake(t_s)
+        return self.on_timer(t_s)
 
-    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
+    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
         """Nothing to learn any more."""
         return ()
 
-    def on_wake(self, t_s: float) -> Sequence[Answer]:
+    def on_timer(self, t_s: float) -> Sequence[MethodAction]:
         """Ask, and ask again after one decision's time."""
         if t_s > self._brief.window_end_s[-1]:
             return ()
-        again = Wake(t_s + 1.0 / self._network.step_hz)
+        again = SetTimer(t_s + 1.0 / self._network.step_hz)
         scores = self._network.scores(self._features.row(t_s, self._steps.move, self._sent_s).astype(np.float64))
         wanted = int(np.argmax(scores))
         key = self._steps.take(t_s, wanted)
         if key is None:
             return (again,)
         self._sent_s = t_s
-        return Intention(*key, t_s, f"the policy wants {MOVES[wanted].value}"), again
+        return ScheduleCommand(*key, t_s, f"the policy wants {MOVES[wanted].value}"), again

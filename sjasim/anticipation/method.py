@@ -3,10 +3,10 @@
 A method decides when the robot performs each of the brief's steps. It is told of events as they reach the server,
 of the iterations' beginnings and ends, and of timers it asked for, and answers with values:
 
-- `Intention`: send the command for a step at a session time; a later one for the same step replaces it, and a
+- `ScheduleCommand`: send the command for a step at a session time; a later one for the same step replaces it, and a
   time that has passed means at once. Once a command is sent its step is over.
-- `Withdrawal`: do not send that step's command after all.
-- `Wake`: call ``on_wake`` at a session time, which must lie in the future.
+- `CancelCommand`: do not send that step's command after all.
+- `SetTimer`: call ``on_timer`` at a session time, which must lie in the future.
 
 A method that follows some dancers rather than all of them says whom with `Follower.follows`: the paper's edges of the
 group depend on it, and the net latency. Nothing else is needed: no clock, no polling, no knowledge of links or of the
@@ -17,10 +17,10 @@ dataclass of its options::
     class Echo:
         def __init__(self, config: EchoConfig = EchoConfig()) -> None: ...
         def reset(self, brief, rng): ...
-        def on_event(self, event): return (Intention(event.iteration, 0, event.t_arrival_s, "echo"),)
+        def on_event(self, event): return (ScheduleCommand(event.iteration, 0, event.t_arrival_s, "echo"),)
         def on_iteration_start(self, iteration, t_s): return ()
         def on_iteration_end(self, iteration, t_s): return ()
-        def on_wake(self, t_s): return ()
+        def on_timer(self, t_s): return ()
 
 or keep it in a module of your own (``--method my_module:Echo``; options then come from the class attribute
 ``config_type``, if there is one). ``reset`` must put the method back into the state of a new one. A method never
@@ -38,7 +38,7 @@ import numpy as np
 
 from ..core import Event
 from ..core.errors import ConfigError, HookError, PluginError, SjasimError, UnknownNameError
-from ..core.method_io import Answer, Brief
+from ..core.method_io import MethodAction, MethodContext
 from ..core.registry import resolve
 
 HUMANS_ONLY = "none"
@@ -49,24 +49,24 @@ HUMANS_ONLY = "none"
 class Method(Protocol):
     """What the session calls; every hook answers at once and may answer nothing."""
 
-    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
+    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
         """Begin a dance: forget everything, remember the brief; ``rng`` is the method's own random stream."""
         ...
 
-    def on_event(self, event: Event) -> Sequence[Answer]:
+    def on_event(self, event: Event) -> Sequence[MethodAction]:
         """An event has reached the server, at ``event.t_arrival_s``; in order of arrival, not of ``t_s``."""
         ...
 
-    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[Answer]:
+    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
         """Beat 0 of an iteration; iteration 0 is the rehearsal, in which the robot does not dance."""
         ...
 
-    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
+    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
         """An iteration's window has closed; the next one's first events may come before its beat 0."""
         ...
 
-    def on_wake(self, t_s: float) -> Sequence[Answer]:
-        """A time asked for with `Wake` has come."""
+    def on_timer(self, t_s: float) -> Sequence[MethodAction]:
+        """A time asked for with `SetTimer` has come."""
         ...
 
 
@@ -165,6 +165,6 @@ HOOKS = {
     "on_event": ("event",),
     "on_iteration_start": ("iteration", "t_s"),
     "on_iteration_end": ("iteration", "t_s"),
-    "on_wake": ("t_s",),
+    "on_timer": ("t_s",),
 }
 """The contract's methods and their arguments."""

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..core.errors import ConfigError
-from ..core.method_io import Answer, Intention
+from ..core.method_io import MethodAction, ScheduleCommand
 from ..core.registry import register
-from .scheduled_method import LEAD_S, Scheduling
+from .scheduled_method import LEAD_S, ScheduledMethod
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class MetronomeConfig:
 
 
 @register("anticipation", "metronome", config=MetronomeConfig)
-class Metronome(Scheduling):
+class Metronome(ScheduledMethod):
     """The robot dances the score to the music and perceives nobody.
 
     Args:
@@ -37,9 +37,9 @@ class Metronome(Scheduling):
     def __init__(self, config: MetronomeConfig = MetronomeConfig()) -> None:
         self._config = config
 
-    def _schedule(self, iteration: int) -> Sequence[Answer]:
+    def _schedule(self, iteration: int) -> Sequence[MethodAction]:
         return tuple(
-            Intention(
+            ScheduleCommand(
                 iteration, step.ordinal, self._brief.time_s(iteration, step.beat) - self._config.lead_s,
                 f"beat {step.beat:g}",
             )

@@ -10,7 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..core import SYNCHRONY_KINDS, Array, Event, Move
-from ..core.method_io import Brief
+from ..core.method_io import MethodContext
 from ..core.tempo import TempoMap
 from .event_history import History, nominal_times
 from .timing_appropriateness import EPSILON_S
@@ -37,7 +37,7 @@ _KIND = {kind: index for index, kind in enumerate(SYNCHRONY_KINDS)}
 _BEATS = 1 + 2 * len(PERIODS)
 
 
-def iteration_at(brief: Brief, t_s: float) -> int:
+def iteration_at(brief: MethodContext, t_s: float) -> int:
     """The iteration whose window holds a session time; the last one after it."""
     return min(bisect_left(brief.window_end_s, t_s), brief.iterations)
 
@@ -76,7 +76,7 @@ class Features:
             unknown.
     """
 
-    def __init__(self, brief: Brief) -> None:
+    def __init__(self, brief: MethodContext) -> None:
         self._brief = brief
         self._history = History(brief, EPSILON_S)
         self._person = {name: index for index, name in enumerate(brief.cast)}

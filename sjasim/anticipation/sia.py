@@ -12,11 +12,11 @@ import numpy as np
 
 from ..core import Array, Event, Kind
 from ..core.errors import ConfigError
-from ..core.method_io import Answer, Brief, Intention, Wake, Withdrawal
+from ..core.method_io import CancelCommand, MethodAction, MethodContext, ScheduleCommand, SetTimer
 from ..core.registry import register
 from .eca import scheduled
 from .event_history import History
-from .scheduled_method import LEAD_S, Scheduling
+from .scheduled_method import LEAD_S, ScheduledMethod
 from .synchrony import most_synchronous
 from .timing_appropriateness import EPSILON_S
 
@@ -73,7 +73,7 @@ class SiaConfig:
 
 
 @register("anticipation", "sia", config=SiaConfig)
-class Sia(Scheduling):
+class Sia(ScheduledMethod):
     """SIA: chooses the most synchronous dancer when an iteration closes, and follows them through the next one.
 
     Only the next unresolved step is listened for. An early event of the followed dancer triggers it, else their
@@ -97,7 +97,7 @@ class Sia(Scheduling):
     def __init__(self, config: SiaConfig = SiaConfig()) -> None:
         self._config = config
 
-    def reset(self, brief: Brief, rng: np.random.Generator) -> None:
+    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
         """Begin a dance."""
         super().reset(brief, rng)
         self._history = History(brief, self._config.epsilon_s)
@@ -109,8 +109,8 @@ class Sia(Scheduling):
         self._next = len(brief.steps)
         self._reference: Array = np.zeros(len(brief.steps))
         self._close: Array = np.zeros(len(brief.steps))
-        self._planned: tuple[Intention, ...] = ()
-        self._fallbacks: tuple[Intention, ...] = ()
+        self._planned: tuple[ScheduleCommand, ...] = ()
+        self._fallbacks: tuple[ScheduleCommand, ...] = ()
         self._followed = -2
         self._alone: dict[float, int] = {}
         self._hurried: dict[int, float] = {}
@@ -121,7 +121,7 @@ class Sia(Scheduling):
             return (self._chosen[iteration - 1],)
         return () if self._config.edges == "none" else None
 
-    def on_event(self, event: Event) -> Sequence[Answer]:
+    def on_event(self, event: Event) -> Sequence[MethodAction]:
         """Remember, and follow if it is the leader's and expected."""
         self._history.add(event)
         if event.person != self._leader or (event.early and event.kind == Kind.CLAP):
@@ -139,12 +139,12 @@ class Sia(Scheduling):
         skipped = [self._pass_over(event) for _ in range(step - self._next - over)]
         return (*skipped, *(self._make_late(event) if over else (self._follow(event),)))
 
-    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[Answer]:
+    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
         """Let go of the dancer that was followed, and prepare the next iteration."""
         self._leader = ""
         return super().on_iteration_end(iteration, t_s)
 
-    def _schedule(self, iteration: int) -> Sequence[Answer]:
+    def _schedule(self, iteration: int) -> Sequence[MethodAction]:
         self._choose(iteration - 1)
         intentions = scheduled(self._brief, self._history, iteration, self._config.lead_s)
         if iteration < self._config.effective_from:
@@ -173,9 +173,9 @@ class Sia(Scheduling):
         starts = [step.ordinal for step in self._brief.steps if step.kind in STARTS]
         self._alone = {fallbacks[ordinal].t_s: ordinal for ordinal in starts}
         self._fallbacks, self._hurried = fallbacks, {}
-        return (*fallbacks, *map(Wake, self._alone))
+        return (*fallbacks, *map(SetTimer, self._alone))
 
-    def on_wake(self, t_s: float) -> Sequence[Answer]:
+    def on_timer(self, t_s: float) -> Sequence[MethodAction]:
         """A start's window has closed: go on alone if nobody was followed, and the start is not made already."""
         begun = self._alone.pop(t_s, None)
         if begun is None or not self._leader or self._hurried.get(begun, np.inf) <= t_s:
@@ -183,7 +183,7 @@ class Sia(Scheduling):
         self._next = max(self._next, begun + 1)
         return self._rest_of_phrase(begun, t_s)
 
-    def _rest_of_phrase(self, begun: int, t_s: float) -> tuple[Intention, ...]:
+    def _rest_of_phrase(self, begun: int, t_s: float) -> tuple[ScheduleCommand, ...]:
         """The schedule up to the end of the phrase, moved on as far as a start that fell back needs it.
 
         Its pauses shrink to `HOLD_S`, and all of it to half at most, if it would not be over when the dancer is
@@ -207,7 +207,7 @@ class Sia(Scheduling):
         self._hurried.update(zip(rest, hurried, strict=True))
         why = f"fallback: {self._brief.steps[begun].kind.value} was made without {self._note}"
         return tuple(
-            Intention(self._scheduled, ordinal, time, why) for ordinal, time in zip(rest, hurried, strict=True)
+            ScheduleCommand(self._scheduled, ordinal, time, why) for ordinal, time in zip(rest, hurried, strict=True)
         )
 
     def _expected(self, step: int) -> float:
@@ -242,7 +242,7 @@ class Sia(Scheduling):
         distance, ordinal = min(own, default=(np.inf, -1))
         return ordinal if distance <= self._config.window_s else None
 
-    def _wait_again(self) -> tuple[Intention, ...]:
+    def _wait_again(self) -> tuple[ScheduleCommand, ...]:
         """The own fallbacks again of all steps ahead that were scheduled without a dancer who has just come back."""
         if self._followed != self._next - 1 or self._next not in self._hurried:
             return ()
@@ -256,14 +256,14 @@ class Sia(Scheduling):
         self._alone = {t_s: ordinal for t_s, ordinal in self._alone.items() if ordinal != self._next}
         self._next += 1
 
-    def _follow(self, event: Event) -> Intention:
+    def _follow(self, event: Event) -> ScheduleCommand:
         step = self._brief.steps[self._next]
         self._followed = step.ordinal
         self._settle()
         why = f"{'early ' if event.early else ''}{event.kind.value} of {self._note}"
-        return Intention(self._scheduled, step.ordinal, event.t_arrival_s, why, event.person)
+        return ScheduleCommand(self._scheduled, step.ordinal, event.t_arrival_s, why, event.person)
 
-    def _make_late(self, event: Event) -> Sequence[Answer]:
+    def _make_late(self, event: Event) -> Sequence[MethodAction]:
         """Answers for a move whose stop was the first that was seen of it."""
         begun = self._next
         start, stop = self._planned[begun : begun + 2]
@@ -275,17 +275,17 @@ class Sia(Scheduling):
         self._settle()
         why = f"made late: {event.kind.value} already seen of {self._note}"
         return [
-            Intention(self._scheduled, begun, event.t_arrival_s, why),
-            Intention(self._scheduled, begun + 1, ends_s, why),
+            ScheduleCommand(self._scheduled, begun, event.t_arrival_s, why),
+            ScheduleCommand(self._scheduled, begun + 1, ends_s, why),
         ]
 
-    def _pass_over(self, event: Event, *, whole: bool = False) -> Answer:
-        """Answer for a step that the leader is past; ``whole`` for the stop of a start that was passed over."""
+    def _pass_over(self, event: Event, *, whole: bool = False) -> MethodAction:
+        """Actions for a step that the leader is past; ``whole`` for the stop of a start that was passed over."""
         step = self._brief.steps[self._next]
         self._settle()
         if whole or step.kind in STARTS:
-            return Withdrawal(
+            return CancelCommand(
                 self._scheduled, step.ordinal, f"passed over: {event.kind.value} already seen of {self._note}"
             )
         why = f"fallback: {event.kind.value} already seen of {self._note}"
-        return Intention(self._scheduled, step.ordinal, event.t_arrival_s, why)
+        return ScheduleCommand(self._scheduled, step.ordinal, event.t_arrival_s, why)

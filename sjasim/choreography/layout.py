@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..assets.names import CARDINALS
-from ..config import RoomConfig, SensorConfig
+from ..config import SceneConfig, SensorConfig
 from ..core import Array
 from ..core.errors import ConfigError
 
@@ -46,7 +46,7 @@ class Layout:
     mounts: tuple[Mount, ...]
 
 
-def layout(name: str, group: int, room: RoomConfig, sensors: SensorConfig) -> Layout:
+def layout(name: str, group: int, room: SceneConfig, sensors: SensorConfig) -> Layout:
     """Lay out a room.
 
     Args:
@@ -86,7 +86,7 @@ def layout(name: str, group: int, room: RoomConfig, sensors: SensorConfig) -> La
     return Layout(slots[:-1], slots[-1], mounts)
 
 
-def _slots(name: str, group: int, room: RoomConfig) -> Array:
+def _slots(name: str, group: int, room: SceneConfig) -> Array:
     if name == "custom":
         if len(room.slots_m) != group + 1:
             raise ConfigError("room.slots_m", room.slots_m, f"{group + 1} slots: the dancers', then the robot's")
@@ -105,14 +105,14 @@ def _slots(name: str, group: int, room: RoomConfig) -> Array:
     return np.concatenate([corners[:group], corners[3:]])
 
 
-def _ring(count: int, room: RoomConfig) -> Array:
+def _ring(count: int, room: SceneConfig) -> Array:
     """Slots on the circle through the square's corners, or on a wider one where they would be too close."""
     radius = max(room.side_m / np.sqrt(2.0), APART_M / 2 / np.sin(np.pi / count))
     bearings = np.pi / 4 + room.turn_rad + 2 * np.pi * np.arange(count) / count
     return np.asarray(radius * np.stack([np.cos(bearings), np.sin(bearings)], axis=1))
 
 
-def _rows(count: int, room: RoomConfig) -> Array:
+def _rows(count: int, room: SceneConfig) -> Array:
     """Slots in aligned rows of three, as wide as two slots of the small groups and half of that again."""
     columns, lines = 3, -(-count // 3)
     gap = 0.75 * room.side_m
@@ -122,7 +122,7 @@ def _rows(count: int, room: RoomConfig) -> Array:
     return np.concatenate([places[: count - 1], places[-1:]])
 
 
-def _mount(name: str, index: int, room: RoomConfig) -> Mount:
+def _mount(name: str, index: int, room: SceneConfig) -> Mount:
     bearing = np.pi / 2 * (1 + index)
     outward = np.array([np.cos(bearing), np.sin(bearing), 0.0])
     position = room.sensor_distance_m * outward + np.array([0.0, 0.0, room.sensor_height_m])

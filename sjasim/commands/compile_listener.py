@@ -24,7 +24,7 @@ class _Counter(Listener):  # type: ignore[misc]
 
 
 @contextlib.contextmanager
-def told(tell: Callable[[int], None]) -> Iterator[None]:
+def on_compile(tell: Callable[[int], None]) -> Iterator[None]:
     """While this lasts, ``tell`` is called with the number of functions so far whenever one is being compiled."""
     with install_listener("numba:compile", _Counter(tell)):
         yield

@@ -1,4 +1,4 @@
-"""Signs of life on stderr while a session is danced: a bar on a terminal, elsewhere a line from time to time."""
+"""ProgressReporter of life on stderr while a session is danced: a bar on a terminal, elsewhere a line from time to time."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ SIGN_S = 20.0
 """Longest silence between two lines, as far as anything happens."""
 
 
-class Signs(Protocol):
-    """What is told while a session is prepared and danced."""
+class ProgressReporter(Protocol):
+    """What is on_compile while a session is prepared and danced."""
 
     def compiling(self, begun: int) -> None:
         """The so-manieth function is being compiled."""
@@ -28,8 +28,8 @@ class Signs(Protocol):
         ...
 
 
-class Lines:
-    """Lines for a pipe or a file; a short session that compiles nothing gives none.
+class LineProgress:
+    """LineProgress for a pipe or a file; a short session that compiles nothing gives none.
 
     Args:
         what: what goes on, in words.
@@ -40,13 +40,13 @@ class Lines:
         self._said_s = math.inf
 
     def compiling(self, begun: int) -> None:
-        """See `Signs`; the first function gives a line at once."""
+        """See `ProgressReporter`; the first function gives a line at once."""
         if begun == 1:
             self._said_s = -math.inf
         self._say(compiling(begun))
 
     def dancing(self, share: float) -> None:
-        """See `Signs`."""
+        """See `ProgressReporter`."""
         if self._said_s == math.inf:
             self._said_s = time.monotonic()
         self._say(f"{self._what}: {100.0 * share:.0f} %")
@@ -59,7 +59,7 @@ class Lines:
             sys.stderr.flush()
 
 
-class Bar:
+class BarProgress:
     """A bar that appears once there is something to dance, or to compile.
 
     Args:
@@ -72,18 +72,18 @@ class Bar:
         self._task = progress.add_task(what, total=1.0)
 
     def compiling(self, begun: int) -> None:
-        """See `Signs`."""
+        """See `ProgressReporter`."""
         self._progress.start()
         self._progress.update(self._task, description=compiling(begun))
 
     def dancing(self, share: float) -> None:
-        """See `Signs`."""
+        """See `ProgressReporter`."""
         self._progress.start()
         self._progress.update(self._task, completed=share, description=self._what)
 
 
 @contextlib.contextmanager
-def signs_of_life(what: str) -> Iterator[Signs]:
+def progress_reporter(what: str) -> Iterator[ProgressReporter]:
     """Whom to tell; what is left on a terminal's last line is cleared at the end.
 
     Args:
@@ -91,12 +91,12 @@ def signs_of_life(what: str) -> Iterator[Signs]:
     """
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield Lines(what)
+        yield LineProgress(what)
         return
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
     progress = Progress(*columns, TimeRemainingColumn(), console=console, transient=True)
     try:
-        yield Bar(what, progress)
+        yield BarProgress(what, progress)
     finally:
         if progress.live.is_started:
             progress.stop()

@@ -7,7 +7,7 @@ A default that no source supports says ``assumed``. To and from plain data and T
 from .faults import FAULTS, FaultConfig
 from .network import ClockConfig, NetworkConfig, SynchronyConfig
 from .robot import RobotConfig
-from .room import BodyConfig, DanceConfig, RoomConfig, StageConfig
+from .room import BodyConfig, DanceConfig, PhysicsConfig, SceneConfig
 from .sensing import MOST_SEEN, DetectorConfig, SensorConfig
 from .session import SessionConfig
 
@@ -20,10 +20,10 @@ __all__ = [
     "DetectorConfig",
     "FaultConfig",
     "NetworkConfig",
+    "PhysicsConfig",
     "RobotConfig",
-    "RoomConfig",
+    "SceneConfig",
     "SensorConfig",
     "SessionConfig",
-    "StageConfig",
     "SynchronyConfig",
 ]

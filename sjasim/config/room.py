@@ -10,7 +10,7 @@ from .checks import one_of, within
 
 
 @dataclass(frozen=True, slots=True)
-class RoomConfig:
+class SceneConfig:
     """Where people, robot and sensors stand.
 
     Attributes:
@@ -111,7 +111,7 @@ class BodyConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class StageConfig:
+class PhysicsConfig:
     """Physics.
 
     Attributes:

@@ -10,10 +10,10 @@ from .checks import one_of, within
 from .faults import FaultConfig
 from .network import ClockConfig, NetworkConfig, SynchronyConfig
 from .robot import RobotConfig
-from .room import BodyConfig, DanceConfig, RoomConfig, StageConfig
+from .room import BodyConfig, DanceConfig, PhysicsConfig, SceneConfig
 from .sensing import MOST_SEEN, DetectorConfig, SensorConfig
 
-HELD_HZ = StageConfig().rate_hz, StageConfig().balance_hz
+HELD_HZ = PhysicsConfig().rate_hz, PhysicsConfig().balance_hz
 FREE_HZ = 240, 240
 """Rates of physics and balance with a tether and without one: who balances alone balances often. The former do not
 keep anybody upright alone, and stand for the latter there."""
@@ -50,10 +50,10 @@ class SessionConfig:
     group: int = 3
     method_options: Mapping[str, float | int | bool | str] = field(default_factory=dict)
     faults: tuple[FaultConfig, ...] = ()
-    room: RoomConfig = RoomConfig()
+    room: SceneConfig = SceneConfig()
     dance: DanceConfig = DanceConfig()
     body: BodyConfig = BodyConfig()
-    stage: StageConfig = StageConfig()
+    stage: PhysicsConfig = PhysicsConfig()
     robot: RobotConfig = RobotConfig()
     sensors: SensorConfig = SensorConfig()
     detectors: DetectorConfig = DetectorConfig()
@@ -75,6 +75,6 @@ class SessionConfig:
             )
         if isinstance(self.seed, float):
             raise ConfigError("seed", self.seed, "a whole number")
-        if self.body.tether == "none" and (self.stage.rate_hz, self.stage.balance_hz) == HELD_HZ:
+        if self.body.tether == "none" and (self.physics.rate_hz, self.physics.balance_hz) == HELD_HZ:
             rate_hz, balance_hz = FREE_HZ
-            object.__setattr__(self, "stage", replace(self.stage, rate_hz=rate_hz, balance_hz=balance_hz))
+            object.__setattr__(self, "stage", replace(self.physics, rate_hz=rate_hz, balance_hz=balance_hz))

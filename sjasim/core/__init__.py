@@ -5,7 +5,7 @@ simulation time for what the world logs, the server's estimate of it for an `Eve
 uncorrected device clock, ``t_arrival_s`` is session time at the receiver.
 """
 
-from .bodies import Cue, DancerStates, Geoms, Servos, Solids, StageView
+from .bodies import Cue, DancerStates, Geoms, SceneView, Servos, Solids
 from .messages import (
     ClientOrder,
     ClientStatus,
@@ -58,11 +58,11 @@ __all__ = [
     "PersonStatus",
     "RecordedJoints",
     "RobotState",
+    "SceneView",
     "Servos",
     "SkeletonFrame",
     "Skeletons",
     "Solids",
-    "StageView",
     "SyncReply",
     "SyncRequest",
     "TrackingState",

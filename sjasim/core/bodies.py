@@ -76,7 +76,7 @@ class DancerStates(NamedTuple):
 
     @property
     def load(self) -> Array:
-        """(D,) what the floor carries of each [N]; see `Stage.feel`."""
+        """(D,) what the floor carries of each [N]; see `Physics.feel`."""
         return self.rows[:, 35]
 
 
@@ -135,7 +135,7 @@ class Solids(NamedTuple):
     rotation: Array
 
 
-class StageView(Protocol):
+class SceneView(Protocol):
     """Read-only sight of the stage that sensors get; a scripted one tests them without physics."""
 
     @property

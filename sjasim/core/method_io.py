@@ -26,7 +26,7 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True)
-class Brief:
+class MethodContext:
     """All that an anticipation method is told before the dance: never the truth, never the dancers' plan.
 
     Attributes:
@@ -63,7 +63,7 @@ class Brief:
 
 
 @dataclass(frozen=True, slots=True)
-class Intention:
+class ScheduleCommand:
     """A method's answer: send the command for this step at this time, unless replaced or withdrawn.
 
     Attributes:
@@ -84,7 +84,7 @@ class Intention:
 
 
 @dataclass(frozen=True, slots=True)
-class Withdrawal:
+class CancelCommand:
     """A method's answer: do not send the command for this step after all."""
 
     iteration: int
@@ -93,10 +93,10 @@ class Withdrawal:
 
 
 @dataclass(frozen=True, slots=True)
-class Wake:
-    """A method's answer: call ``on_wake(t_s)`` at this session time, which must lie in the future."""
+class SetTimer:
+    """A method's answer: call ``on_timer(t_s)`` at this session time, which must lie in the future."""
 
     t_s: float
 
 
-Answer = Intention | Withdrawal | Wake
+MethodAction = ScheduleCommand | CancelCommand | SetTimer

@@ -123,7 +123,7 @@ class SessionLog:
         notices: what went wrong.
         odometry: columns of equal length at the odometry rate (t_s, x_m, y_m, heading_rad, step_m,
             yaw_rate_rad_s, true_x_m, true_y_m, true_heading_rad).
-        truth: columns of equal length, one row per (tick, dancer): see `ledger.TRUTH_COLUMNS`.
+        truth: columns of equal length, one row per (tick, dancer): see `recorder.TRUTH_COLUMNS`.
         handovers: which sensor's client was active from when on.
         followed: whom the method followed, for methods that can tell.
         joints: (F, D, 25, 3) float32 true joints at 30 Hz, or None in a log read from a folder.

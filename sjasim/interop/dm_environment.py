@@ -69,8 +69,8 @@ class DanceEnvironment(dm_env.Environment):  # type: ignore[misc]
         if self._over:
             return self.reset()
         observation, reward, self._over, _, _ = self._env.step(action)
-        stage = self._env.session.world.stage
-        mujoco.mj_copyData(self.physics.data.ptr, stage.model, stage.data)
+        physics = self._env.session.world.physics
+        mujoco.mj_copyData(self.physics.data.ptr, physics.model, physics.data)
         return dm_env.termination(reward, observation) if self._over else dm_env.transition(reward, observation)
 
     def action_spec(self) -> specs.BoundedArray:
@@ -87,9 +87,9 @@ class DanceEnvironment(dm_env.Environment):  # type: ignore[misc]
         self._env.close()
 
     def _shown(self) -> Physics:
-        stage = self._env.session.world.stage
-        copy = mujoco.MjData(stage.model)
-        mujoco.mj_copyData(copy, stage.model, stage.data)
+        physics = self._env.session.world.physics
+        copy = mujoco.MjData(physics.model)
+        mujoco.mj_copyData(copy, physics.model, physics.data)
         try:
             return Physics(MjData(copy))
         except (AttributeError, TypeError) as problem:

@@ -11,7 +11,7 @@ from ..core.errors import RecordError
 from ..core.session_log import SessionLog
 from .atomic_folder import check_target, whole
 from .parquet import COLUMN_TABLES, ROW_TYPES, read_columns, read_rows, write_columns, write_rows
-from .rerun.explanation import Insight
+from .rerun.explanation import DelayReport
 
 SCHEMA = 1
 """Version of the folder's layout."""
@@ -26,7 +26,7 @@ def write(
     summary: Mapping[str, object],
     recording: bool = True,
     *,
-    insight: Insight | None = None,
+    report: DelayReport | None = None,
     overwrite: bool = False,
 ) -> Path:
     """Write a session's folder; it appears whole or not at all.
@@ -36,7 +36,7 @@ def write(
         folder: where to; see `whole.check_target`.
         summary: what session.json holds: the measures, the configuration, the cost.
         recording: whether session.rrd is written too.
-        insight: what the recording shows beside the log.
+        report: what the recording shows beside the log.
         overwrite: whether an earlier session may be replaced.
 
     Returns:
@@ -51,7 +51,7 @@ def write(
         if recording:
             from .rerun.recording import save
 
-            save(log, draft / "session.rrd", insight)
+            save(log, draft / "session.rrd", report)
     return target
 
 

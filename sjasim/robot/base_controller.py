@@ -77,7 +77,7 @@ way, its speed and, of DRIVE, its yaw rate; the heading it holds or turns to, an
 
 @njit(cache=True)
 def steer(belief: Array, limits: Array, work: Array) -> None:
-    """One control tick; see `Executor`.
+    """One control tick; see `BaseController`.
 
     Args:
         belief: the newest odometry sample, columns of `types.RobotState`; its stamp is the tick's time.
@@ -152,7 +152,7 @@ def _limited(value: float, most: float) -> float:
     return min(max(value, -most), most)
 
 
-class Executor:
+class BaseController:
     """Carries out move commands, one at a time; a higher number replaces a lower one after its own dead time.
 
     A copy of the one under way may carry another speed, which is taken at once. A base that hears nothing for

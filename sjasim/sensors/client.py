@@ -17,9 +17,9 @@ from ..core import (
     DeviceEvent,
     IntArray,
     PersonStatus,
+    SceneView,
     SkeletonFrame,
     Skeletons,
-    StageView,
     SyncReply,
     SyncRequest,
 )
@@ -49,7 +49,7 @@ class Sensing(Protocol):
         """(P, 25) what the last frame could see of them."""
         ...
 
-    def sample(self, view: StageView) -> Skeletons | None:
+    def sample(self, view: SceneView) -> Skeletons | None:
         """See the stage at this instant; None if the frame was lost."""
         ...
 
@@ -66,7 +66,7 @@ class Client:
     """One sensor's client.
 
     A frame captured at t is ready ``latency_frames`` / ``rate_hz`` later; what it shows is stamped with the device
-    clock of that moment, never back-dated. Told to watch, the client takes every frame and sends events; told to
+    clock of that moment, never back-dated. On request to watch, the client takes every frame and sends events; told to
     assist, it takes every frame and sends only claps that it sees from the side; idle, it takes ``idle_hz`` frames a
     second, at moments when a status report is due, and its other reports are mere signs of life. A status that is due
     with a lost frame goes out with the next one taken. Going from idle to watching, its detectors begin anew: everyone
@@ -125,7 +125,7 @@ class Client:
         """Whether it is told to watch and alive."""
         return self.watching and t_s < self._dead_from_s
 
-    def capture(self, t_s: float, view: StageView) -> Skeletons | None:
+    def capture(self, t_s: float, view: SceneView) -> Skeletons | None:
         """A frame tick: take the frame, if it is wanted.
 
         Args:

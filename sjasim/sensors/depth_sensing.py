@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..choreography.layout import Mount
 from ..config import SensorConfig
-from ..core import Array, Geoms, IntArray, Skeletons, StageView
+from ..core import Array, Geoms, IntArray, SceneView, Skeletons
 from ..core.registry import register
 from . import kinect_noise
 from .depth_camera import Camera, Intrinsics, Picture
@@ -57,7 +57,7 @@ class DepthSensing:
     def _estimator(self) -> SkeletonEstimator:
         return SkeletonEstimator(self.intrinsics, float(self._mount.position[2]), self._config.max_range_m)
 
-    def frame(self, view: StageView) -> NDArray[np.uint16]:
+    def frame(self, view: SceneView) -> NDArray[np.uint16]:
         """(H, W) depth image of this instant in whole millimetres, 0 where there is none."""
         geoms = view.geoms
         picture = self._camera.picture(geoms)
@@ -65,7 +65,7 @@ class DepthSensing:
         self._last = _Last(self._mount, self.intrinsics, (near_m, far_m), picture, geoms, np.array(view.joints_m))
         return kinect_noise.sensed(picture, geoms.form, self.intrinsics.fx, (near_m, far_m + BEYOND_M), self._noises)
 
-    def sample(self, view: StageView) -> Skeletons | None:
+    def sample(self, view: SceneView) -> Skeletons | None:
         """See the stage at this instant.
 
         Args:

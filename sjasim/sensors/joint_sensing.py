@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..assets.names import JOINTS
 from ..choreography.layout import Mount
 from ..config import SensorConfig
-from ..core import Array, BoolArray, IntArray, Skeletons, Solids, StageView
+from ..core import Array, BoolArray, IntArray, SceneView, Skeletons, Solids
 from ..core.memory import Memory
 from ..core.registry import register
 from .joint_occlusion import (
@@ -105,7 +105,7 @@ class JointsSensing:
         self._own = Memory(self.dancers, self._eye, self._errors, self._noise)
         self._room = _Room(1, group)
 
-    def sample(self, view: StageView) -> Skeletons | None:
+    def sample(self, view: SceneView) -> Skeletons | None:
         """See the stage at this instant.
 
         Args:

@@ -21,7 +21,7 @@ LEFT_OUT = 3
 after it rarely (three are left out in one of some 400 windows with the default layout)."""
 
 
-class RollCall:
+class AttendanceMonitor:
     """Counts everybody's regular events, iteration by iteration.
 
     Args:

@@ -14,7 +14,7 @@ UNSEEN_S = 1.0
 may be hidden where raised ones are not, and the other way round (assumed)."""
 
 
-class Assistance:
+class ClapAssistance:
     """The one exception to "only the active client's events count".
 
     A clap that another client reports counts if it lies within ``assist_s`` of a beat on which the score has a clap

@@ -15,7 +15,7 @@ from collections import deque
 from ..core import SyncReply
 
 BUCKET = 8
-"""Exchanges among which the quickest is kept: 2 s at 4 Hz."""
+"""LinkMonitor among which the quickest is kept: 2 s at 4 Hz."""
 
 KEPT = 16
 """Quickest exchanges the line is fitted to: about half a minute at 4 Hz."""

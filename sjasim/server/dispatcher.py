@@ -12,7 +12,7 @@ from ..choreography.layout import Layout
 from ..choreography.score import Timetable
 from ..config import RobotConfig
 from ..core import ROBOT, Kind, Move, MoveCommand, RobotState
-from ..core.method_io import Answer, Brief, Intention, Wake, Withdrawal
+from ..core.method_io import CancelCommand, MethodAction, MethodContext, ScheduleCommand, SetTimer
 from ..core.session_log import Decision, Notice
 
 MOVES = {
@@ -83,7 +83,7 @@ class Dispatcher:
     """
 
     def __init__(
-        self, brief: Brief, timetable: Timetable, layout: Layout, robot: RobotConfig, heartbeat_hz: float
+        self, brief: MethodContext, timetable: Timetable, layout: Layout, robot: RobotConfig, heartbeat_hz: float
     ) -> None:
         self._brief = brief
         self._timetable = timetable
@@ -91,7 +91,7 @@ class Dispatcher:
         self._robot = robot
         self._beat_s = 1.0 / heartbeat_hz
         self._steps = {step.ordinal: step for step in brief.steps}
-        self._pending: dict[Key, Intention] = {}
+        self._pending: dict[Key, ScheduleCommand] = {}
         self._sent_s: dict[Key, float] = {}
         self._last: Key = (-1, -1)
         self._wakes: list[float] = []
@@ -132,7 +132,7 @@ class Dispatcher:
             self._alive = False
             self.notices.append(Notice(t_s, ROBOT, f"robot is dead: silent for more than {SILENCE_S:g} s"))
 
-    def answer(self, t_s: float, answers: Iterable[Answer]) -> None:
+    def answer(self, t_s: float, answers: Iterable[MethodAction]) -> None:
         """Take in a method's answers, given at session time ``t_s``.
 
         An intention for an unknown step, for one that is sent or behind a sent one, or without a finite time is
@@ -140,9 +140,9 @@ class Dispatcher:
         ``t_s`` at the earliest, so that one that asks for the next cannot hold up the session.
         """
         for item in answers:
-            if isinstance(item, Wake):
+            if isinstance(item, SetTimer):
                 heapq.heappush(self._wakes, max(item.t_s, math.nextafter(t_s, math.inf)))
-            elif isinstance(item, Withdrawal):
+            elif isinstance(item, CancelCommand):
                 self._withdraw(t_s, item)
             else:
                 self._intend(t_s, item)
@@ -195,7 +195,7 @@ class Dispatcher:
         self._pending_s = min((item.t_s for item in self._pending.values()), default=math.inf)
         self.next_due_s = min(self._pending_s, self._repeat_s, self._wakes[0] if self._wakes else math.inf)
 
-    def _intend(self, t_s: float, item: Intention) -> None:
+    def _intend(self, t_s: float, item: ScheduleCommand) -> None:
         key = (item.iteration, item.ordinal)
         refusal = self._refusal(key) or ("" if math.isfinite(item.t_s) else NO_TIME)
         if refusal:
@@ -206,14 +206,14 @@ class Dispatcher:
         self._pending[key] = item
         self._log(t_s, key, action, item)
 
-    def _withdraw(self, t_s: float, item: Withdrawal) -> None:
+    def _withdraw(self, t_s: float, item: CancelCommand) -> None:
         key = (item.iteration, item.ordinal)
         pending = self._pending.pop(key, None)
         if pending is None:
-            self._log(t_s, key, "ignored", Intention(*key, t_s, item.why), "nothing to withdraw")
+            self._log(t_s, key, "ignored", ScheduleCommand(*key, t_s, item.why), "nothing to withdraw")
             self._notice(t_s, key, self._refusal(key), "withdrawal")
         else:
-            self._log(t_s, key, "withdrawn", Intention(*key, pending.t_s, item.why, pending.person))
+            self._log(t_s, key, "withdrawn", ScheduleCommand(*key, pending.t_s, item.why, pending.person))
 
     def _notice(self, t_s: float, key: Key, refusal: str, what: str) -> None:
         """Say once for each reason that a method asks for what cannot be; other refusals lie in a dance's nature."""
@@ -232,7 +232,7 @@ class Dispatcher:
             return "already sent"
         return "a later step has been sent" if key < self._last else ""
 
-    def _send(self, t_s: float, key: Key, item: Intention) -> MoveCommand:
+    def _send(self, t_s: float, key: Key, item: ScheduleCommand) -> MoveCommand:
         command = self._put_in_force(t_s, key, MOVES[self._steps[key[1]].kind], item.why)
         self._last = key
         self._repeat_s = t_s + self._beat_s
@@ -360,7 +360,7 @@ class Dispatcher:
                 spans.append(stop - start)
         return max(SHORTEST_S, min(median(spans), 2.0 * nominal))
 
-    def _log(self, t_s: float, key: Key, action: str, item: Intention, refusal: str = "") -> None:
+    def _log(self, t_s: float, key: Key, action: str, item: ScheduleCommand, refusal: str = "") -> None:
         step = self._steps.get(key[1])
         kind = step.kind if step is not None else Kind.TURN
         why = f"{refusal}: {item.why}" if refusal else item.why

@@ -18,7 +18,7 @@ _MIRRORED = {
 }
 
 
-class Merger:
+class EventMerger:
     """Turns device events that count into events, each once: two clients overlap at a hand-over.
 
     Args:

@@ -22,12 +22,12 @@ from ..core import (
 )
 from ..core.session_log import Notice
 from .active_sensor import ActiveClient
-from .attendance import RollCall
-from .clap_assistance import Assistance
+from .attendance import AttendanceMonitor
+from .clap_assistance import ClapAssistance
 from .clock_sync import MARGIN_S, ClockSync
-from .event_merger import Merger
-from .identity_assignment import Persons
-from .link_monitor import Exchanges
+from .event_merger import EventMerger
+from .identity_assignment import IdentityAssigner
+from .link_monitor import LinkMonitor
 
 _STOP_OF = {Kind.START_FORWARD: Kind.STOP_FORWARD, Kind.START_BACKWARD: Kind.STOP_BACKWARD}
 
@@ -59,7 +59,7 @@ class Server:
     The active client's events count. At a hand-over those of the other client concerned count as well, if the
     person faces it; what both report counts once, so that the overlap loses none and doubles none. A client that
     stands in for a dead one and sees a person's back has forward and backward exchanged. Claps have an exception of
-    their own, `Assistance`: around their beat the clients at the side help with hands that the active one lacks.
+    their own, `ClapAssistance`: around their beat the clients at the side help with hands that the active one lacks.
 
     Everything is event-driven: `receive` for what arrives, `due` for what is to be sent, `next_due_s` for when to
     ask again. ``notices`` grows by what went wrong: dead clients, jumped clocks, links that lose packets, reports of
@@ -75,13 +75,13 @@ class Server:
         group = len(layout.dancers)
         self._active = ActiveClient(timetable, layout, group)
         cast = [dancer_name(index) for index in range(group)]
-        self._persons = Persons(cast, layout.dancers)
-        self._roll_call = RollCall(cast, timetable)
-        self._assistance = Assistance(cast, timetable, config.detectors.assist_s)
+        self._persons = IdentityAssigner(cast, layout.dancers)
+        self._roll_call = AttendanceMonitor(cast, timetable)
+        self._assistance = ClapAssistance(cast, timetable, config.detectors.assist_s)
         self._helpers: frozenset[str] = frozenset()
-        self._merger = Merger(timetable, config.detectors.clap_rest_s)
+        self._merger = EventMerger(timetable, config.detectors.clap_rest_s)
         self._clocks = {sensor: ClockSync() for sensor in self._active.sensors}
-        self._exchanges = {sensor: Exchanges(sensor) for sensor in self._clocks}
+        self._exchanges = {sensor: LinkMonitor(sensor) for sensor in self._clocks}
         self._sync_s = 1.0 / config.network.sync_hz
         # Spread over the interval, so that the exchanges do not queue behind one another.
         count = len(self._clocks)

@@ -22,7 +22,7 @@ in this dance walks faster)."""
 _FAR = 1e6
 
 
-class Persons:
+class IdentityAssigner:
     """Names for the persons that sensors report, by their place on the floor.
 
     At the start everyone stands on their slot; from then on a name goes to whoever continues its path, in whichever

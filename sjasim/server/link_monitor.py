@@ -20,7 +20,7 @@ LOSSY = 0.10
 comes near it in one window of ten thousand (assumed)."""
 
 
-class Exchanges:
+class LinkMonitor:
     """The exchanges with one client, and what they say of its link.
 
     A link that begins to lose packets is reported once, and again only after it has been well (less than half of

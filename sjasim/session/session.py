@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
-from ..anticipation.checked_method import Hooks
+from ..anticipation.checked_method import CheckedMethod
 from ..anticipation.method import HUMANS_ONLY, Method, build
 from ..choreography.layout import layout
 from ..choreography.timetable import timetable
@@ -22,7 +22,7 @@ from ..core import ROBOT, ClientStatus, DeviceEvent, Event, MoveCommand, RobotSt
 from ..core.clock import stream
 from ..core.errors import ConfigError
 from ..core.link import Link, LinkQuality, Mail
-from ..core.method_io import Brief
+from ..core.method_io import MethodContext
 from ..core.session_log import Followed, Handover, SessionLog
 from ..server.dispatcher import Dispatcher
 from ..server.fusion import Server
@@ -55,7 +55,7 @@ class Session:
         self.method: Method | None = None
         if robot:
             self.method = method or build(config.method, config.method_options)
-        self._hooks = None if self.method is None else Hooks(config.method, self.method)
+        self._hooks = None if self.method is None else CheckedMethod(config.method, self.method)
         self.brief = _brief(self)
         self.server = Server(self.timetable, self.layout, config)
         self.dispatcher = Dispatcher(self.brief, self.timetable, self.layout, config.robot, config.network.heartbeat_hz)
@@ -163,7 +163,7 @@ class Session:
                 self._down[order.sensor].send(now, order)
         if self._hooks is not None and self.dispatcher.next_due_s <= now:
             for wake_s in self.dispatcher.wakes_due(now):
-                self._ask(now, "on_wake", wake_s, wake_s)
+                self._ask(now, "on_timer", wake_s, wake_s)
             for command in self.dispatcher.due(now):
                 if not self.commands or command.number != self.commands[-1].number:
                     self.commands.append(command)
@@ -187,10 +187,10 @@ class Session:
             notices=tuple(notices),
             handovers=tuple(self.handovers),
             followed=tuple(self.followed),
-            odometry=world.ledger.odometry(),
-            truth=world.ledger.truth(),
-            joints=world.ledger.joints(),
-            skeletons=world.ledger.skeletons(),
+            odometry=world.recorder.odometry(),
+            truth=world.recorder.truth(),
+            joints=world.recorder.joints(),
+            skeletons=world.recorder.skeletons(),
             cost={
                 "sim_s": self.time_s,
                 "cpu_s": time.process_time() - cpu,
@@ -241,10 +241,10 @@ def _or_nobody(persons: Sequence[str] | None) -> Sequence[str]:
     return () if persons is None else persons or ("",)
 
 
-def _brief(session: Session) -> Brief:
+def _brief(session: Session) -> MethodContext:
     table, config = session.timetable, session.config
     iterations = range(config.iterations + 1)
-    return Brief(
+    return MethodContext(
         cast=tuple(dancer_name(index) for index in range(config.group)),
         steps=table.choreography.steps(),
         iterations=config.iterations,

@@ -14,18 +14,18 @@ from numba import njit
 from ..config import RobotConfig
 from ..core import Array, IntArray, Kind, MoveCommand, RobotState
 from ..core.memory import Memory, cube, index_rows, indices, matrix, vector
-from ..humans.motion.balance_controller import HINGES, Balance, correct
-from ..robot.base_controller import LEFT_WHEEL, RIGHT_WHEEL, Executor, steer
+from ..humans.motion.balance_controller import HINGES, BalanceController, correct
+from ..robot.base_controller import LEFT_WHEEL, RIGHT_WHEEL, BaseController, steer
 from ..robot.diff_drive import Pose
 from ..robot.odometry import RATE, Odometry, RobotEventDetector, detect, reckon
-from .physics import Stage
-from .recorder import Ledger
+from .physics import Physics
+from .recorder import GroundTruthRecorder
 from .state_access import BASE, GYRO, LEFT_ANGLE, LEFT_MOTOR, RIGHT_ANGLE, RIGHT_MOTOR, command, gather
 
 
 @njit(cache=True)
 def _balance(tick: int, row: int, rate: float, truth: Array, at: IntArray) -> None:
-    """Feel, keep, correct, command; ``at`` lists the arrays of `DancersTurn`."""
+    """Feel, keep, correct, command; ``at`` lists the arrays of `DancerController`."""
     felt, where, targets = matrix(at, 0), index_rows(at, 12), matrix(at, 18)
     gather(
         matrix(at, 1), matrix(at, 2), matrix(at, 3), vector(at, 4), vector(at, 5), matrix(at, 6), vector(at, 7),
@@ -41,32 +41,32 @@ def _balance(tick: int, row: int, rate: float, truth: Array, at: IntArray) -> No
     command(targets, where, vector(at, 19))
 
 
-class DancersTurn:
-    """The dancers' turn: what they feel goes into the ledger, and the targets that follow from it to their actuators.
+class DancerController:
+    """The dancers' turn: what they feel goes into the recorder, and the targets that follow from it to their actuators.
 
     Args:
         stage: with the dancers.
         balance: their controller.
-        ledger: of the session.
+        recorder: of the session.
     """
 
-    def __init__(self, stage: Stage, balance: Balance, ledger: Ledger) -> None:
-        self._stage, self._ledger, self._targets = stage, ledger, balance.targets
+    def __init__(self, physics: Physics, balance: BalanceController, recorder: GroundTruthRecorder) -> None:
+        self._physics, self._recorder, self._targets = physics, recorder, balance.targets
         self._rate = balance.rate_hz
-        self._arrays = Memory(stage.states().rows, *stage.felt, *balance.plan, *balance.memory, stage.ctrl)
+        self._arrays = Memory(physics.states().rows, *physics.felt, *balance.plan, *balance.memory, physics.ctrl)
 
     def take(self, tick: int, now: float) -> None:
         """Take the turn of a control tick, at session time ``now``."""
-        ledger = self._ledger
-        row = ledger.tick(now)
-        _balance(tick, row, self._rate, ledger.states, self._arrays.table)
-        if not self._stage.direct:
-            self._stage.bend(self._targets[:, :HINGES])
+        recorder = self._recorder
+        row = recorder.tick(now)
+        _balance(tick, row, self._rate, recorder.states, self._arrays.table)
+        if not self._physics.direct:
+            self._physics.bend(self._targets[:, :HINGES])
 
 
 @njit(cache=True)
 def _ride(t_s: float, noise: float, jammed: bool, row: int, rides: Array, at: IntArray) -> int:
-    """Odometry, events, wheel command and the record of them; ``at`` lists the arrays of `RobotTurn`."""
+    """Odometry, events, wheel command and the record of them; ``at`` lists the arrays of `RobotController`."""
     qpos, sensed, place, attitude, where = vector(at, 0), vector(at, 1), matrix(at, 2), matrix(at, 3), indices(at, 4)
     ctrl, belief, work = vector(at, 5), vector(at, 7), vector(at, 10)
     reckon(t_s, qpos[where[LEFT_ANGLE]], qpos[where[RIGHT_ANGLE]], sensed[where[GYRO]], noise, vector(at, 6), belief)
@@ -82,24 +82,26 @@ def _ride(t_s: float, noise: float, jammed: bool, row: int, rides: Array, at: In
     return event
 
 
-class RobotTurn:
-    """The robot's turn: what it senses goes into odometry and the ledger, and what it makes of it to its wheels.
+class RobotController:
+    """The robot's turn: what it senses goes into odometry and the recorder, and what it makes of it to its wheels.
 
     Args:
         stage: with the robot.
         config: of the robot.
         pose: where it believes to start.
         rng: noise of its gyro.
-        ledger: of the session.
+        recorder: of the session.
     """
 
-    def __init__(self, stage: Stage, config: RobotConfig, pose: Pose, rng: np.random.Generator, ledger: Ledger) -> None:
+    def __init__(
+        self, physics: Physics, config: RobotConfig, pose: Pose, rng: np.random.Generator, recorder: GroundTruthRecorder
+    ) -> None:
         self._odometry = odometry = Odometry(config, pose, rng)
         self._detector = detector = RobotEventDetector(config)
-        self._executor = executor = Executor(config)
-        self._ledger = ledger
+        self._executor = executor = BaseController(config)
+        self._recorder = recorder
         self._arrays = Memory(
-            *stage.robot, stage.ctrl, odometry.base, odometry.belief, detector.seen, executor.limits, executor.work,
+            *physics.robot, physics.ctrl, odometry.base, odometry.belief, detector.seen, executor.limits, executor.work,
         )  # fmt: skip
 
     @property
@@ -109,11 +111,11 @@ class RobotTurn:
 
     @property
     def blocked(self) -> bool:
-        """See `Executor.blocked`."""
+        """See `BaseController.blocked`."""
         return self._executor.blocked
 
     def receive(self, t_s: float, command: MoveCommand) -> None:
-        """See `Executor.receive`."""
+        """See `BaseController.receive`."""
         self._executor.receive(t_s, command)
 
     def take(self, t_s: float, *, jammed: bool) -> tuple[Kind, float] | None:
@@ -127,7 +129,7 @@ class RobotTurn:
             an event that its odometry shows by now, and when it was [s].
         """
         self._executor.take_up(t_s)
-        ledger = self._ledger
-        row = ledger.ride()
-        event = _ride(t_s, self._odometry.noise_rad_s(), jammed, row, ledger.rides, self._arrays.table)
+        recorder = self._recorder
+        row = recorder.ride()
+        event = _ride(t_s, self._odometry.noise_rad_s(), jammed, row, recorder.rides, self._arrays.table)
         return self._detector.event(event) if event else None

@@ -21,7 +21,7 @@ EVERY_PIXEL = 2
 """Of the camera's rows and columns one in so many is kept."""
 
 
-class DepthWatch:
+class DepthRecorder:
     """Keeps pictures of a session; add `tick` to its world's watchers before it begins.
 
     It has cameras and noise of its own, so that watching changes nothing.
@@ -50,7 +50,7 @@ class DepthWatch:
         """A camera frame of the session."""
         if self._frames % self._every == 0:
             sensor = self._session.server.active
-            depth_mm = self._cameras[sensor].frame(self._session.world.stage)[::EVERY_PIXEL, ::EVERY_PIXEL]
+            depth_mm = self._cameras[sensor].frame(self._session.world.physics)[::EVERY_PIXEL, ::EVERY_PIXEL]
             coarse = (np.round(depth_mm / STEP_MM) * STEP_MM).astype(np.uint16)
             png = imageio.imwrite("<bytes>", np.ascontiguousarray(coarse), extension=".png")
             self.pictures.append(DepthPicture(now, sensor, png))

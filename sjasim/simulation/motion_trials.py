@@ -1,6 +1,6 @@
 """Dancers without sensors: how well they move, how they take a push, what a robot does to them.
 
-`Rehearsal` is the physics of a session with nobody looking; the trials below dance, push and drive in it, and
+`OpenLoopWorld` is the physics of a session with nobody looking; the trials below dance, push and drive in it, and
 `figures` says what came of them.
 """
 
@@ -25,7 +25,7 @@ PUSH_S = 0.2
 """A push takes so long [s]."""
 
 
-class Rehearsal(PhysicsWorld):
+class OpenLoopWorld(PhysicsWorld):
     """A session's physics with nobody looking: every tick of balance is kept.
 
     Args:
@@ -58,16 +58,16 @@ class Rehearsal(PhysicsWorld):
 
     def look(self, now: float) -> None:
         """Nobody does; but what the floor carries is felt."""
-        self.stage.feel()
+        self.physics.feel()
 
     def drive(self, now: float) -> None:
         """See `PhysicsWorld`."""
         if self.wheels is None:
             super().drive(now)
         else:
-            self.stage.drive(self.wheels)
+            self.physics.drive(self.wheels)
 
-    def run(self, until_s: float | None = None) -> Rehearsal:
+    def run(self, until_s: float | None = None) -> OpenLoopWorld:
         """Go on to a time, or to the end."""
         until_s = self.end_s if until_s is None else until_s
         while self.time_s < until_s - 1e-9:
@@ -76,24 +76,24 @@ class Rehearsal(PhysicsWorld):
 
     def _move(self, now: float) -> None:
         super()._move(now)
-        states, count = self.stage.states(), len(self._fallen)
-        tick = np.minimum(round(now * self._config.stage.balance_hz), self.reference.until - 1)
+        states, count = self.physics.states(), len(self._fallen)
+        tick = np.minimum(round(now * self._config.physics.balance_hz), self.reference.until - 1)
         planned, landing = (column[range(count), tick] for column in (self.reference.pelvis, self.reference.landing))
         palms = np.sqrt(((states.hands[:, 0] - states.hands[:, 1]) ** 2).sum(axis=1))
         feet = states.ankles[:, :, :2]
         self._rows.append((np.array(now), states.root, palms, feet, states.tether, states.load, planned, landing))
 
-    def movement(self) -> Movement:
+    def movement(self) -> MotionRecording:
         """What has been danced so far."""
         t_s, roots, palms, feet, tether, load, planned, landing = (
             np.array(column) for column in zip(*self._rows, strict=True)
         )
-        weight, cues, falls = self.stage.servos.weight, tuple(self.cues), sum(self._fallen)
-        return Movement(t_s, roots, palms, feet, tether, load, planned, landing, weight, cues, falls)
+        weight, cues, falls = self.physics.servos.weight, tuple(self.cues), sum(self._fallen)
+        return MotionRecording(t_s, roots, palms, feet, tether, load, planned, landing, weight, cues, falls)
 
 
 @dataclasses.dataclass(frozen=True)
-class Movement:
+class MotionRecording:
     """Motion of D dancers at N ticks of balance.
 
     Attributes:
@@ -130,7 +130,7 @@ class Movement:
         ]  # fmt: skip
 
 
-def figures(danced: Sequence[Movement]) -> dict[str, float]:
+def figures(danced: Sequence[MotionRecording]) -> dict[str, float]:
     """Pooled figures: worst dancer where a figure is a dancer's, all events where it is an event's."""
     parts = [(m, d) for m in danced for d in range(len(m.weight))]
     off = [np.hypot(*(m.roots[:, d, :2] - m.planned[:, d, :2]).T) for m, d in parts]
@@ -168,15 +168,15 @@ def _p95(values: Array) -> float:
     return float(np.percentile(known, 95)) if len(known) else math.nan
 
 
-def dance(seed: int, iterations: int = 4, **changes: object) -> Movement:
+def dance(seed: int, iterations: int = 4, **changes: object) -> MotionRecording:
     """A whole dance by three people of any build, with a paper's group's jitter; the robot stands by."""
     config = SessionConfig(
         seed=seed, iterations=iterations, method="none", body=FULL_RANGE, dance=DanceConfig(rehearsal=False)
     )
-    return Rehearsal(dataclasses.replace(config, **changes), robot=False).run().movement()  # type: ignore[arg-type]
+    return OpenLoopWorld(dataclasses.replace(config, **changes), robot=False).run().movement()  # type: ignore[arg-type]
 
 
-def to_and_fro(seed: int, duration_s: float, moves: int = 4, hold_s: float = 1.0) -> Rehearsal:
+def to_and_fro(seed: int, duration_s: float, moves: int = 4, hold_s: float = 1.0) -> OpenLoopWorld:
     """Three people of any build who go forward and backward in moves of a given time."""
     config = SessionConfig(seed=seed, iterations=1, method="none", body=FULL_RANGE, dance=DanceConfig(rehearsal=False))
     plans = []
@@ -187,23 +187,23 @@ def to_and_fro(seed: int, duration_s: float, moves: int = 4, hold_s: float = 1.0
             Cue(dancer_name(dancer), way, 1, 2 * index, 0.0, float(t_s), duration_s)
             for index, (way, t_s) in enumerate(zip(ways, starts, strict=False))
         ])  # fmt: skip
-    return Rehearsal(config, plans, robot=False)
+    return OpenLoopWorld(config, plans, robot=False)
 
 
-def timed_moves(seed: int, duration_s: float) -> Movement:
+def timed_moves(seed: int, duration_s: float) -> MotionRecording:
     """What becomes of four moves of a given time."""
     return to_and_fro(seed, duration_s).run(2.7 + 4 * (duration_s + 1.0)).movement()
 
 
-def pushed(seed: int, impulse_ns: float, *, walking: bool) -> int:
-    """How many of three people fall who are pushed sideways, once each, one to the left, the next to the right."""
+def count_falls_after_push(seed: int, impulse_ns: float, *, walking: bool) -> int:
+    """How many of three people fall who are count_falls_after_push sideways, once each, one to the left, the next to the right."""
     trial = to_and_fro(seed, 2.0, moves=4 if walking else 0).run(2.5)
     for dancer in range(3):
-        left = float(trial.stage.yaw_rad[dancer]) + math.pi / 2
+        left = float(trial.physics.yaw_rad[dancer]) + math.pi / 2
         force = (-1) ** (seed + dancer) * impulse_ns / PUSH_S * np.array([math.cos(left), math.sin(left), 0.0])
-        trial.stage.push(dancer, force)
+        trial.physics.push(dancer, force)
         trial.run(trial.time_s + PUSH_S)
-        trial.stage.push(dancer, np.zeros(3))
+        trial.physics.push(dancer, np.zeros(3))
         trial.run(trial.time_s + 0.13)
     return trial.run(trial.time_s + 5.0).movement().falls
 
@@ -234,23 +234,23 @@ def collision(seed: int, from_rad: float, speed_m_s: float = 0.5) -> Collision:
         speed_m_s: how fast; it drives on whatever happens.
     """
     trial = to_and_fro(seed, 2.0, moves=0)
-    trial = Rehearsal(trial._config, [[], [], []])
-    stage, robot = trial.stage, trial._config.robot
-    root = stage.states().root[0]
+    trial = OpenLoopWorld(trial._config, [[], [], []])
+    physics, robot = trial.physics, trial._config.robot
+    root = physics.states().root[0]
     bearing = float(root[3]) + from_rad
     begin = root[:2] + 0.9 * np.array([math.cos(bearing), math.sin(bearing)])
     roots = np.concatenate([trial.reference.pelvis[:, 0], np.zeros((3, 3))], axis=1)
-    roots[:, 3] = stage.yaw_rad
-    stage.pose(trial.reference.joints[:, 0], roots, (float(begin[0]), float(begin[1]), bearing + math.pi))
+    roots[:, 3] = physics.yaw_rad
+    physics.pose(trial.reference.joints[:, 0], roots, (float(begin[0]), float(begin[1]), bearing + math.pi))
     turn = speed_m_s / robot.wheel_radius_m
     trial.wheels = WheelCommand(turn, turn)
-    peak, sway, tick_s = 0.0, 0.0, 1.0 / stage.ticks.rate_hz
+    peak, sway, tick_s = 0.0, 0.0, 1.0 / physics.ticks.rate_hz
     ends: list[Array] = []
     while trial.time_s < 4.0 - 1e-9:
         trial.run(trial.time_s + tick_s)
-        peak = max(peak, stage.contacts.impact_n())
-        sway = max(sway, float(np.hypot(*(stage.states().root[0, :2] - root[:2]))))
-        ends.append(np.array(stage.robot_pose()[:2]))
+        peak = max(peak, physics.contacts.impact_n())
+        sway = max(sway, float(np.hypot(*(physics.states().root[0, :2] - root[:2]))))
+        ends.append(np.array(physics.robot_pose()[:2]))
     towards = -np.array([math.cos(bearing), math.sin(bearing)])
     back = round(0.5 / tick_s)
     return Collision(peak, sway, float((ends[-1] - ends[-1 - back]) @ towards / 0.5), trial.movement().falls)

@@ -19,7 +19,7 @@ from ..assets.names import (
     dancer_prefix,
 )
 from ..choreography.layout import Layout
-from ..config import BodyConfig, RobotConfig, StageConfig
+from ..config import BodyConfig, PhysicsConfig, RobotConfig
 from ..core import Array, DancerStates, Geoms, IntArray, Servos, Solids, WheelCommand
 from ..core.clock import Ticks
 from ..core.errors import SjasimError
@@ -38,7 +38,7 @@ LYING_ARMATURE, LYING_DAMPING = 0.5, 20.0
 _LOGGED = [JOINT_INDEX[name] for name in ("AnkleLeft", "AnkleRight", "HandLeft", "HandRight")]
 
 
-def stage_spec(
+def scene_spec(
     anatomies: Sequence[Anatomy], layout: Layout, body: BodyConfig, robot: RobotConfig | None, rate_hz: int
 ) -> mujoco.MjSpec:
     """The whole scene: floor, light, dancers, and a robot unless it is None."""
@@ -79,8 +79,8 @@ def _light(spec: mujoco.MjSpec) -> None:
     spec.worldbody.add_light(pos=[3, 1.5, 8], dir=[-0.4, -0.2, -1], type=lamp, diffuse=[0.5] * 3, specular=[0.1] * 3)
 
 
-class Stage:
-    """Physics of one session. Sensors see it through the read-only part that `types.StageView` names.
+class Physics:
+    """Physics of one session. Sensors see it through the read-only part that `types.SceneView` names.
 
     Args:
         anatomies: one per dancer.
@@ -107,12 +107,12 @@ class Stage:
         headings_rad: tuple[float, float],
         postures: Array,
         pelvises: Array,
-        config: StageConfig,
+        config: PhysicsConfig,
         body: BodyConfig,
         robot: RobotConfig | None,
     ) -> None:
         self._body: BodyModel = body_model(body.model)
-        self.model = stage_spec(anatomies, layout, body, robot, config.rate_hz).compile()
+        self.model = scene_spec(anatomies, layout, body, robot, config.rate_hz).compile()
         self.data = mujoco.MjData(self.model)
         self.ticks = Ticks(config.rate_hz)
         d = self.data  # its arrays stay where they are, and looking them up costs more than reading them
@@ -174,7 +174,7 @@ class Stage:
         self._owner, self._solid_owner = owner, owner[self._solid]
         rows = np.column_stack([self._solid, self._solid_owner, self._form])
         self.solids = Solids(rows, shapes(self._form, self._size), self._positions, self._rotations)
-        """All that can hide something; see `types.StageView`."""
+        """All that can hide something; see `types.SceneView`."""
         self._base = m.body(f"{ROBOT_PREFIX}base").id if self.has_robot else 0
         if self.has_robot:
             wheels = [f"{ROBOT_PREFIX}{name}" for name in ("wheel_l", "wheel_r")]
@@ -290,7 +290,7 @@ class Stage:
 
     @property
     def geoms(self) -> Geoms:
-        """Everything visible, at this instant; see `types.StageView`."""
+        """Everything visible, at this instant; see `types.SceneView`."""
         rotation = self._rotations[self._solid].reshape(-1, 3, 3)
         return Geoms(self._form, self._size, self._positions[self._solid], rotation, self._solid_owner)
 

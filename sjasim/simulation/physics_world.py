@@ -36,16 +36,16 @@ from ..core.clock import DeviceClock, Task, stream
 from ..core.registry import resolve
 from ..core.session_log import AgentEvent, Notice
 from ..humans.body.mjcf import body_model
-from ..humans.motion.balance_controller import Balance
+from ..humans.motion.balance_controller import BalanceController
 from ..humans.motion.planner import PREVIEW_S, Planner
-from ..humans.motion.reference_trajectory import Reference
+from ..humans.motion.reference_trajectory import ReferenceTrajectory
 from ..humans.timing.ensemble import SOONEST_S
 from ..humans.timing.replay import Replay
 from ..sensors.client import ROUNDING_S, Client, Sensing
 from .cast import felt_error_s, people, performed_cues, person
-from .control_loop import DancersTurn, RobotTurn
-from .physics import Stage
-from .recorder import Ledger
+from .control_loop import DancerController, RobotController
+from .physics import Physics
+from .recorder import GroundTruthRecorder
 
 Inward = MoveCommand | SyncRequest | ClientOrder
 """What arrives at a world's devices."""
@@ -126,9 +126,9 @@ class PhysicsWorld:
         self.robot_events: list[AgentEvent] = []
         self._faults = config.faults
         self._dance(config, timetable, layout, robot)
-        every = max(1, config.stage.balance_hz // config.stage.truth_hz)
-        self.ledger = Ledger(self.stage.servos.weight, every, self.reference.rows.shape[1] // every)
-        self.dancers = DancersTurn(self.stage, self.balance, self.ledger)
+        every = max(1, config.physics.balance_hz // config.physics.truth_hz)
+        self.recorder = GroundTruthRecorder(self.physics.servos.weight, every, self.reference.rows.shape[1] // every)
+        self.dancers = DancerController(self.physics, self.balance, self.recorder)
         self._equip(config, layout, robot)
         self._outbox: list[Outward] = []
         self._check_s = 0.0
@@ -138,21 +138,21 @@ class PhysicsWorld:
 
     def _dance(self, config: SessionConfig, timetable: Timetable, layout: Layout, robot: bool) -> None:
         heading = timetable.heading_rad(timetable.first)
-        rate = config.stage.balance_hz
+        rate = config.physics.balance_hz
         builds = [person(config, index) for index in range(config.group)]
         self._anatomies = [body_model(config.body.model).anatomy(build) for build in builds]
-        self.reference = reference = Reference.empty(config.group, math.ceil((self.end_s + 1.0) * rate) + 1)
+        self.reference = reference = ReferenceTrajectory.empty(config.group, math.ceil((self.end_s + 1.0) * rate) + 1)
         turn = timetable.choreography.turn_rad
         self._planners = [
             Planner(body, layout.dancers[index], heading, config.room.move_m, turn, rate, reference.of(index))
             for index, body in enumerate(self._anatomies)
         ]
-        self.stage = Stage(
+        self.physics = Physics(
             self._anatomies, layout, (heading, timetable.heading_rad(1)), reference.joints[:, 0],
-            reference.pelvis[:, 0], config.stage, config.body, config.robot if robot else None,
+            reference.pelvis[:, 0], config.physics, config.body, config.robot if robot else None,
         )  # fmt: skip
         omega = np.array([planner.omega for planner in self._planners])
-        self.balance = Balance(reference, omega, rate, self.stage.servos)
+        self.balance = BalanceController(reference, omega, rate, self.physics.servos)
         self._timing = people(config, timetable)
         if isinstance(self._timing, Replay):
             self.notices.extend(self._timing.notices)
@@ -163,11 +163,11 @@ class PhysicsWorld:
         self._fall_m = [FALLEN_SHARE * body.standing_m for body in self._anatomies]
 
     def _equip(self, config: SessionConfig, layout: Layout, robot: bool) -> None:
-        ticks = self.stage.ticks
+        ticks = self.physics.ticks
         self.sensing: dict[str, Sensing] = {}
         self._mounts = {mount.name: mount for mount in layout.mounts}
         self._clients = {mount.name: self._client(config, layout, index) for index, mount in enumerate(layout.mounts)}
-        self._balance_hz = config.stage.balance_hz
+        self._balance_hz = config.physics.balance_hz
         self._balance_task = Task(ticks, self._balance_hz)
         self._frame_task = Task(ticks, config.sensors.rate_hz)
         self._robot_task = Task(ticks, config.robot.odometry_hz)
@@ -178,7 +178,9 @@ class PhysicsWorld:
         self._blocked = False
         if robot:
             pose = (float(layout.robot[0]), float(layout.robot[1]), self._timetable.heading_rad(1))
-            self.robot = RobotTurn(self.stage, config.robot, pose, stream(config.seed, "robot", "gyro"), self.ledger)
+            self.robot = RobotController(
+                self.physics, config.robot, pose, stream(config.seed, "robot", "gyro"), self.recorder
+            )
 
     def _client(self, config: SessionConfig, layout: Layout, index: int) -> Client:
         mount = layout.mounts[index]
@@ -200,11 +202,11 @@ class PhysicsWorld:
     @property
     def time_s(self) -> float:
         """Session time that has been reached [s]."""
-        return self.stage.time_s
+        return self.physics.time_s
 
     def instant_s(self, t_s: float) -> float:
         """See `World`: a tick of the physics."""
-        return self.stage.ticks.first_s(t_s)
+        return self.physics.ticks.first_s(t_s)
 
     def deliver(self, now_s: float, t_arrival_s: float, message: Inward) -> SyncReply | None:
         """See `World`."""
@@ -216,18 +218,18 @@ class PhysicsWorld:
 
     def advance(self, until_s: float) -> list[Outward]:
         """See `World`; instants between two ticks count as the later one."""
-        stage = self.stage
-        now = stage.time_s
+        physics = self.physics
+        now = physics.time_s
         if until_s <= now:
             return []
         if now >= self._check_s:
             self._check(now)
         self._outbox = []
-        self._fire(stage.tick, now)
+        self._fire(physics.tick, now)
         turn = min(self._balance_task.due, self._frame_task.due, self._robot_task.due)
-        if turn / stage.ticks.rate_hz > until_s:  # whatever rounding says, time goes on
-            turn = min(turn, max(stage.ticks.at_or_after(until_s), stage.tick + 1))
-        stage.step_to(turn)
+        if turn / physics.ticks.rate_hz > until_s:  # whatever rounding says, time goes on
+            turn = min(turn, max(physics.ticks.at_or_after(until_s), physics.tick + 1))
+        physics.step_to(turn)
         return self._outbox
 
     def latest(self, sensor: str) -> SkeletonFrame | None:
@@ -251,7 +253,7 @@ class PhysicsWorld:
         if not self._has_robot:
             return
         if now >= self._dead_from_s:
-            self.stage.drive(WheelCommand(0.0, 0.0))
+            self.physics.drive(WheelCommand(0.0, 0.0))
             return
         event = self.robot.take(now, jammed=now >= self._blocked_from_s)
         if event is not None:
@@ -261,23 +263,23 @@ class PhysicsWorld:
         if blocked and not self._blocked:
             self.notices.append(Notice(now, ROBOT, "blocked: it is commanded to move but its wheels stand still"))
         self._blocked = blocked
-        if self.stage.tick >= self._state_task.due:
+        if self.physics.tick >= self._state_task.due:
             self._state_task.advance()
             self._outbox.append(self.robot.state)
 
     def look(self, now: float) -> None:
         """A frame tick: the clients take their frames and send what is ready; the floor's force is felt."""
-        self.stage.feel()
+        self.physics.feel()
         soon = now + ROUNDING_S
         for name, client in self._clients.items():
             if client.next_capture_s <= soon:
-                skeletons = client.capture(now, self.stage)
+                skeletons = client.capture(now, self.physics)
                 if name == self.active and skeletons is not None:
-                    self.ledger.estimate(skeletons, self.sensing[name].dancers, self._mounts[name])
+                    self.recorder.estimate(skeletons, self.sensing[name].dancers, self._mounts[name])
             if client.next_output_s <= soon:
                 self._outbox.extend(client.outputs(now))
         sensing, watches = self.sensing[self.active], self._clients[self.active].watches(now)
-        self.ledger.see(self.stage.joints_m, sensing.visible if watches else None, sensing.dancers)
+        self.recorder.see(self.physics.joints_m, sensing.visible if watches else None, sensing.dancers)
         for watch in self.watchers:
             watch(now)
 
@@ -291,12 +293,12 @@ class PhysicsWorld:
     def _check(self, now: float) -> None:
         """Now and then: is the physics sound, has anybody fallen?"""
         self._check_s = now + CHECK_S
-        self.stage.check()
+        self.physics.check()
         for index, limit_m in enumerate(self._fall_m):
-            if self.stage.height_m(index) < limit_m and not self._fallen[index]:
+            if self.physics.height_m(index) < limit_m and not self._fallen[index]:
                 self._fallen[index] = True
-                self.stage.let_go(index)
-                self.ledger.fall(now, index)
+                self.physics.let_go(index)
+                self.recorder.fall(now, index)
                 self.notices.append(Notice(now, dancer_name(index), "fell and dances no more"))
 
     def plan(self) -> None:

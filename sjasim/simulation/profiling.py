@@ -56,11 +56,11 @@ def profile(config: SessionConfig) -> dict[str, Any]:
     warm.advance(WARM_S)
     warm.log()
     meter, metered = Meter(), Session(config)
-    start = (metered.world.stage.data.qpos.copy(), metered.world.stage.data.qvel.copy())
+    start = (metered.world.physics.data.qpos.copy(), metered.world.physics.data.qvel.copy())
     controls = instrument(meter, metered)
     metered.advance(metered.end_s)
     metered.log()
-    bare = Bare(metered.world.stage.model, start, controls)
+    bare = Bare(metered.world.physics.model, start, controls)
     begin = time.process_time()
     plain = Session(config)
     cpu_s, raw_cpu_s = time.process_time() - begin, 0.0
@@ -68,12 +68,12 @@ def profile(config: SessionConfig) -> dict[str, Any]:
         begin = time.process_time()
         plain.advance(min(plain.time_s + TURN_S, plain.end_s))
         middle = time.process_time()
-        bare.advance(plain.world.stage.tick)
+        bare.advance(plain.world.physics.tick)
         cpu_s, raw_cpu_s = cpu_s + middle - begin, raw_cpu_s + time.process_time() - middle
     begin = time.process_time()
     plain.log()
     cpu_s += time.process_time() - begin
-    if not np.array_equal(bare.data.qpos, plain.world.stage.data.qpos):
+    if not np.array_equal(bare.data.qpos, plain.world.physics.data.qpos):
         raise AssertionError("the replayed physics went another way than the session's")
     return {
         "sim_s": plain.end_s,
@@ -125,24 +125,24 @@ def instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
 
     The turns of dancers and robot write their rows of the log themselves, so these count for stabiliser and robot.
     """
-    world, stage = session.world, session.world.stage
+    world, physics = session.world, session.world.physics
     controls: list[tuple[int, Array]] = []
-    step = stage.step_to
+    step = physics.step_to
 
     def recording(tick: int) -> None:
-        controls.append((tick, stage.data.ctrl.copy()))
+        controls.append((tick, physics.data.ctrl.copy()))
         step(tick)
 
-    stage.step_to = recording  # type: ignore[method-assign]
+    physics.step_to = recording  # type: ignore[method-assign]
     watched = [
-        (stage, "step_to", "physics"), (world.dancers, "take", "stabiliser"),
+        (physics, "step_to", "physics"), (world.dancers, "take", "stabiliser"),
         (world, "plan", "planning"), (world, "set_out", "planning"), (world, "look", "sensing"),
         (world, "drive", "robot"),
         (session.server, "receive", "server"), (session.server, "due", "server"), (session.dispatcher, "due", "server"),
     ]  # fmt: skip
-    watched += [(session, "log", "logging"), *((world.ledger, name, "logging") for name in ("see", "estimate"))]
+    watched += [(session, "log", "logging"), *((world.recorder, name, "logging") for name in ("see", "estimate"))]
     if session.method is not None:
-        hooks = ("on_event", "on_iteration_start", "on_iteration_end", "on_wake")
+        hooks = ("on_event", "on_iteration_start", "on_iteration_end", "on_timer")
         watched += [(session.method, name, "decision") for name in hooks]
     for owner, name, room in watched:
         meter.watch(owner, name, room)

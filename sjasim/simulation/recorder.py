@@ -14,7 +14,7 @@ from ..core import Array, BoolArray, DancerStates, IntArray, Skeletons
 
 K = TypeVar("K", bound=np.generic)
 
-FELT = 36
+DANCER_STATE_WIDTH = 36
 """Columns of `types.DancerStates.rows`."""
 
 TRUTH_COLUMNS = (
@@ -32,7 +32,7 @@ _TORSO = [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "ShoulderLeft"
 _HANDS = [JOINT_INDEX[name] for name in ("HandLeft", "HandRight", "WristLeft", "WristRight")]
 
 
-class Ledger:
+class GroundTruthRecorder:
     """What truly happened: states and odometry, and the joints at frame rate.
 
     While the session goes on everything is only kept, as it comes, in lists side by side: a tuple for each tick would
@@ -44,7 +44,7 @@ class Ledger:
         rows: how many of them to make room for; more are taken.
 
     Attributes:
-        states: (N, D, 36) rows of `types.DancerStates`, one for each tick that is kept; whoever tells the ledger of a
+        states: (N, D, 36) rows of `types.DancerStates`, one for each tick that is kept; whoever tells the recorder of a
             tick writes its own. Their memory is touched when it is made, not while people dance.
         rides: (M, 9) the same for the odometry, with `ODOMETRY_COLUMNS`.
     """
@@ -53,7 +53,7 @@ class Ledger:
         self._weight = weight_n
         self._every = every
         self._fell_s = np.full(len(weight_n), np.inf)
-        self.states = np.full((rows, len(weight_n), FELT), 0.0)
+        self.states = np.full((rows, len(weight_n), DANCER_STATE_WIDTH), 0.0)
         self._t_s: list[float] = []
         self._frame_of: list[int] = []
         self._until_next = 0
@@ -76,7 +76,7 @@ class Ledger:
         return self._ridden - 1
 
     def see(self, joints_m: Array, visible: BoolArray | None, dancers: IntArray) -> None:
-        """One frame; the ledger keeps the arrays themselves.
+        """One frame; the recorder keeps the arrays themselves.
 
         Args:
             joints_m: (D, 25, 3) true joints [m].
@@ -88,7 +88,7 @@ class Ledger:
         self._seen_dancers.append(dancers)
 
     def estimate(self, skeletons: Skeletons, dancers: IntArray, mount: Mount) -> None:
-        """What the active client saw in the frame that `see` is about to take; the ledger keeps the arrays themselves.
+        """What the active client saw in the frame that `see` is about to take; the recorder keeps the arrays themselves.
 
         Args:
             skeletons: in the sensor's frame.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..choreography.layout import Mount
 from ..core.errors import SjasimError
-from .physics import Stage
+from .physics import Physics
 
 Picture = NDArray[np.uint8]
 """(H, W, 3) red, green, blue."""
@@ -72,17 +72,17 @@ class Renderer:
     """
 
     def __init__(
-        self, stage: Stage, width: int = 960, height: int = 540, mounts: Sequence[Mount] = (), *, fine: bool = True
+        self, physics: Physics, width: int = 960, height: int = 540, mounts: Sequence[Mount] = (), *, fine: bool = True
     ) -> None:
         self.check(width, height)
-        self._stage, self._mounts = stage, tuple(mounts)
-        visual = stage.model.vis.global_
+        self._physics, self._mounts = physics, tuple(mounts)
+        visual = physics.model.vis.global_
         visual.offwidth, visual.offheight = max(visual.offwidth, width), max(visual.offheight, height)
         visual.fovy = FOV_DEG
-        quality = stage.model.vis.quality
+        quality = physics.model.vis.quality
         quality.shadowsize, quality.offsamples = (4096, 4) if fine else (1024, 0)
         try:
-            self._renderer = mujoco.Renderer(stage.model, height, width)
+            self._renderer = mujoco.Renderer(physics.model, height, width)
         except (mujoco.FatalError, AttributeError, ImportError, RuntimeError, OSError) as error:
             raise RenderError(
                 f"no OpenGL to draw pictures with ({_first_line(error)}): on Debian and Ubuntu install libegl1 "
@@ -119,7 +119,7 @@ class Renderer:
         Raises:
             RenderError: no camera of that name.
         """
-        self._renderer.update_scene(self._stage.data, free_camera(camera), self._option)
+        self._renderer.update_scene(self._physics.data, free_camera(camera), self._option)
         for mount in self._mounts:
             self._draw(mount, mount.name == active)
         return np.asarray(self._renderer.render(), dtype=np.uint8)

@@ -11,11 +11,11 @@ from ..core import Array, IntArray
 from ..core.memory import index_rows, indices, matrix, vector
 
 PELVIS, TRUNK, BEHIND, POSITIONS, RATES, SITES, ACTUATORS, WIRES = 0, 1, 2, 3, 9, 15, 19, 44
-"""Where a dancer's addresses begin in `Stage.where`: its pelvis, the body at its root, the one behind its last; the
+"""Where a dancer's addresses begin in `Physics.where`: its pelvis, the body at its root, the one behind its last; the
 root's coordinates (6) and rates (6); ankles and hands (4); actuators of the planned hinges (25, -1 for a body that has
 others) and of the tether (5, -1 without one)."""
 LEFT_ANGLE, RIGHT_ANGLE, GYRO, BASE, LEFT_MOTOR, RIGHT_MOTOR = range(6)
-"""The robot's addresses, last in `Stage.robot`: wheel angles, yaw rate, body and actuators."""
+"""The robot's addresses, last in `Physics.robot`: wheel angles, yaw rate, body and actuators."""
 
 
 @njit(cache=True)
@@ -25,7 +25,7 @@ def gather(
 ) -> None:  # fmt: skip
     """Copy every dancer's rows out of the physics; the output is that of `types.DancerStates`.
 
-    The arrays are those of `Stage.felt`. The velocity of the centre of mass is what MuJoCo's ``mj_subtreeVel`` gives,
+    The arrays are those of `Physics.felt`. The velocity of the centre of mass is what MuJoCo's ``mj_subtreeVel`` gives,
     to the last bit, without its sums for all the other bodies.
     """
     for d in range(len(where)):
@@ -54,7 +54,7 @@ def gather(
 
 @njit(cache=True)
 def command(targets: Array, where: IntArray, ctrl: Array) -> None:
-    """Set the dancers' actuators: (D, 30) targets of the planned hinges, then of the tether; see `Stage.where`."""
+    """Set the dancers' actuators: (D, 30) targets of the planned hinges, then of the tether; see `Physics.where`."""
     for d in range(len(where)):
         for k in range(targets.shape[1]):
             actuator = where[d, ACTUATORS + k]

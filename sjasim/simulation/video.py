@@ -31,7 +31,7 @@ SAYS = {
 }  # fmt: skip
 
 
-class Film:
+class VideoWriter:
     """Films a session: add `tick` to its world's watchers before it begins, and `close` it at the end.
 
     Args:
@@ -50,7 +50,7 @@ class Film:
 
         self._session, self._path, self._camera = session, path, camera
         self._draft = path.with_name(f".{path.stem}.partial.mp4")
-        self._renderer = Renderer(session.world.stage, *SIZE, session.layout.mounts, fine=False)
+        self._renderer = Renderer(session.world.physics, *SIZE, session.layout.mounts, fine=False)
         rate = session.config.sensors.rate_hz / EVERY
         self._writer: Generator[None, Any, None] = imageio_ffmpeg.write_frames(
             str(self._draft), SIZE, fps=rate, quality=7, macro_block_size=4, ffmpeg_log_level="error"
@@ -130,4 +130,4 @@ def captioned(picture: Picture, head: str, below: Sequence[tuple[str, tuple[int,
     return np.asarray(image, dtype=np.uint8)
 
 
-__all__ = ["Film", "RenderError", "captioned", "check_writer", "lines", "title"]
+__all__ = ["RenderError", "VideoWriter", "captioned", "check_writer", "lines", "title"]

@@ -9,13 +9,13 @@ import time
 
 import mujoco
 
-from .physics import Stage
+from .physics import Physics
 from .rendering import RenderError, free_camera
 
 NO_DISPLAY = "render_mode 'human' needs a display, and there is none ({reason}): use 'rgb_array', or run under xvfb-run"
 
 
-class Window:
+class ViewerWindow:
     """MuJoCo's own viewer, kept up to date with a stage, no faster than in real time.
 
     It shows a copy, so that looking at a dance does not change it.
@@ -27,20 +27,20 @@ class Window:
         RenderError: there is no display.
     """
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, physics: Physics) -> None:
         self.check()
         import mujoco.viewer
 
-        self._stage = stage
-        self._shown = mujoco.MjData(stage.model)
+        self._physics = physics
+        self._shown = mujoco.MjData(physics.model)
         others = set(threading.enumerate())
-        self._viewer = mujoco.viewer.launch_passive(stage.model, self._shown, show_left_ui=False, show_right_ui=False)
+        self._viewer = mujoco.viewer.launch_passive(physics.model, self._shown, show_left_ui=False, show_right_ui=False)
         self._threads = set(threading.enumerate()) - others
         with self._viewer.lock():
             view = free_camera("room")
             for name in ("lookat", "distance", "azimuth", "elevation"):
                 setattr(self._viewer.cam, name, getattr(view, name))
-        self._began_s = time.monotonic() - stage.time_s
+        self._began_s = time.monotonic() - physics.time_s
 
     @staticmethod
     def check() -> None:
@@ -61,9 +61,9 @@ class Window:
         if not self._viewer.is_running():
             return
         with self._viewer.lock():
-            mujoco.mj_copyData(self._shown, self._stage.model, self._stage.data)
+            mujoco.mj_copyData(self._shown, self._physics.model, self._physics.data)
         self._viewer.sync()
-        ahead_s = self._began_s + self._stage.time_s - time.monotonic()
+        ahead_s = self._began_s + self._physics.time_s - time.monotonic()
         if ahead_s > 0.0:
             time.sleep(ahead_s)
 

@@ -12,12 +12,12 @@ import numpy as np
 
 from ..assets.names import JOINT_INDEX
 from ..choreography.layout import layout
-from ..config import BodyConfig, RobotConfig, RoomConfig, SensorConfig, StageConfig
+from ..config import BodyConfig, PhysicsConfig, RobotConfig, SceneConfig, SensorConfig
 from ..core import Array
 from ..core.clock import stream
 from ..humans.body.anatomy import Build, anatomy
-from ..humans.motion.reference_trajectory import Reference
-from ..simulation.physics import Stage
+from ..humans.motion.reference_trajectory import ReferenceTrajectory
+from ..simulation.physics import Physics
 from .scenes import RATE_HZ, planned, random_build
 from .trials import Outcome, PosedView, Trial, perform
 
@@ -69,7 +69,7 @@ def _walk(seed: int, rng: np.random.Generator, gap: float, path: Array, *, small
     bodies = [anatomy(build) for build in builds]
     length_s = len(path) / RATE_HZ + 2.0
     plans = [planned(body, [], length_s, heading_rad=math.pi / 2) for body in bodies]
-    room = layout("square", 3, RoomConfig(), SensorConfig())
+    room = layout("square", 3, SceneConfig(), SensorConfig())
     far_y = room.mounts[0].position[1]
     warm = round(1.5 * RATE_HZ)
     walker = np.concatenate([np.full(warm, path[0]), path, np.full(len(plans[2].yaw) - warm - len(path), path[-1])])
@@ -77,12 +77,12 @@ def _walk(seed: int, rng: np.random.Generator, gap: float, path: Array, *, small
     _stand(plans[1], np.full(len(walker), 0.6), far_y - _Z_FRONT)
     _stand(plans[2], walker, far_y - _Z_FRONT - gap)
     joints, pelvis = np.array([plan.joints[0] for plan in plans]), np.array([plan.pelvis[0] for plan in plans])
-    stage = Stage(bodies, room, (0.0, 0.0), joints, pelvis, StageConfig(), BodyConfig(), RobotConfig())
-    view = PosedView(stage, plans, (1.6, far_y - 4.2, 0.0))
+    physics = Physics(bodies, room, (0.0, 0.0), joints, pelvis, PhysicsConfig(), BodyConfig(), RobotConfig())
+    view = PosedView(physics, plans, (1.6, far_y - 4.2, 0.0))
     return perform(view, room, Trial(seed), len(walker))
 
 
-def _stand(plan: Reference, x: Array, y: float) -> None:
+def _stand(plan: ReferenceTrajectory, x: Array, y: float) -> None:
     plan.pelvis[:, 0], plan.pelvis[:, 1] = x, y
 
 

@@ -13,13 +13,13 @@ import numpy as np
 
 from ..assets.names import ACTUATED_INDEX
 from ..choreography.layout import Mount, layout
-from ..config import BodyConfig, RobotConfig, RoomConfig, SensorConfig, StageConfig
+from ..config import BodyConfig, PhysicsConfig, RobotConfig, SceneConfig, SensorConfig
 from ..core import Array, BoolArray, Cue, Geoms, Move
 from ..core.clock import stream
 from ..humans.body.anatomy import Anatomy, Build, anatomy
 from ..humans.motion.planner import Planner
-from ..humans.motion.reference_trajectory import Reference
-from ..simulation.physics import Stage
+from ..humans.motion.reference_trajectory import ReferenceTrajectory
+from ..simulation.physics import Physics
 
 STATURE_M, MASS_KG = (1.50, 1.95), (50.0, 100.0)
 RATE_HZ, PLAN_S = 30, 16.0
@@ -80,9 +80,9 @@ def planned(
     *,
     slot: Array | None = None,
     heading_rad: float = 0.0,
-) -> Reference:
+) -> ReferenceTrajectory:
     """The motion of one dancer on a grid of 30 Hz: joints, pelvis and yaw, at rest after the last cue."""
-    reference = Reference.empty(1, round(length_s * RATE_HZ)).of(0)
+    reference = ReferenceTrajectory.empty(1, round(length_s * RATE_HZ)).of(0)
     at = np.zeros(2) if slot is None else slot
     planner = Planner(body, at, heading_rad, 0.5, math.pi / 2, RATE_HZ, reference)
     planner.extend(cues, 0.0)
@@ -106,12 +106,12 @@ class Cast:
         dances = [dance(rng, "") for _ in self._bodies]
         self._plans = [planned(body, cues) for body, cues in zip(self._bodies, dances, strict=True)]
         self._claps_s = [[cue.t_s for cue in cues if cue.move is Move.CLAP] for cues in dances]
-        room = RoomConfig()
+        room = SceneConfig()
         place = layout("square", 3, room, SensorConfig())
         self.mount: Mount = place.mounts[0]
         self.stature_m = np.array([body.build.stature_m for body in self._bodies])
-        self._stage = Stage(
-            self._bodies, place, (0.0, 0.0), np.zeros((group, 25)), np.zeros((group, 3)), StageConfig(), BodyConfig(),
+        self._physics = Physics(
+            self._bodies, place, (0.0, 0.0), np.zeros((group, 25)), np.zeros((group, 3)), PhysicsConfig(), BodyConfig(),
             RobotConfig(),
         )  # fmt: skip
 
@@ -134,8 +134,8 @@ class Cast:
             roots[index, 3] = math.pi / 2 + yaw[index]
             roots[index, 4:] = TILT_RAD * rng.standard_normal(2)
         robot = (float(spots[-1, 0]), float(self.mount.position[1] - spots[-1, 1]), float(rng.uniform(-3.1, 3.1)))
-        self._stage.pose(joints, roots, robot)
-        return Scene(self._stage.geoms, self._stage.joints_m, yaw, self.stature_m, danced)
+        self._physics.pose(joints, roots, robot)
+        return Scene(self._physics.geoms, self._physics.joints_m, yaw, self.stature_m, danced)
 
     def _tick(self, dancer: int) -> int:
         """A tick of a dancer's plan; many more in claps than their time would give."""

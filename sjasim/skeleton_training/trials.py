@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from ..assets.names import JOINTS
 from ..choreography.layout import Layout, layout
-from ..config import BodyConfig, RobotConfig, RoomConfig, SensorConfig, StageConfig
+from ..config import BodyConfig, PhysicsConfig, RobotConfig, SceneConfig, SensorConfig
 from ..core import NOT_TRACKED, Array, Cue, Geoms, IntArray, Move, Solids, dancer_name
 from ..core.clock import stream
 from ..humans.body.anatomy import Build, anatomy
-from ..humans.motion.reference_trajectory import Reference
+from ..humans.motion.reference_trajectory import ReferenceTrajectory
 from ..sensors.depth_sensing import DepthSensing
-from ..simulation.physics import Stage
+from ..simulation.physics import Physics
 from .scenes import RATE_HZ, dance, planned, random_build
 
 WARM_FRAMES = 30
@@ -37,8 +37,8 @@ class PosedView:
         robot: place and heading of the robot.
     """
 
-    def __init__(self, stage: Stage, plans: list[Reference], robot: tuple[float, float, float]) -> None:
-        self._stage = stage
+    def __init__(self, physics: Physics, plans: list[ReferenceTrajectory], robot: tuple[float, float, float]) -> None:
+        self._physics = physics
         self._plans = plans
         self._robot = robot
         self.time_s = 0.0
@@ -50,28 +50,28 @@ class PosedView:
         roots = np.zeros((len(self._plans), 6))
         roots[:, :3] = [plan.pelvis[tick] for plan in self._plans]
         roots[:, 3] = [plan.yaw[tick] for plan in self._plans]
-        self._stage.pose(joints, roots, self._robot)
+        self._physics.pose(joints, roots, self._robot)
         self.time_s = tick / RATE_HZ
 
     @property
     def joints_m(self) -> Array:
         """(D, 25, 3) true joints [m]."""
-        return self._stage.joints_m
+        return self._physics.joints_m
 
     @property
     def yaw_rad(self) -> Array:
         """(D,) true headings [rad]."""
-        return self._stage.yaw_rad
+        return self._physics.yaw_rad
 
     @property
     def geoms(self) -> Geoms:
         """What there is to see."""
-        return self._stage.geoms
+        return self._physics.geoms
 
     @property
     def solids(self) -> Solids:
         """What can hide something."""
-        return self._stage.solids
+        return self._physics.solids
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +125,7 @@ class Outcome:
 def place_everyone(trial: Trial) -> Layout:
     """Slots of a trial: the session's layout, its side and turn varied; or aligned rows."""
     rng = stream(trial.seed, "trial", "layout")
-    room = RoomConfig(side_m=float(rng.uniform(1.25, 1.5)), turn_rad=math.radians(float(rng.uniform(24.0, 38.0))))
+    room = SceneConfig(side_m=float(rng.uniform(1.25, 1.5)), turn_rad=math.radians(float(rng.uniform(24.0, 38.0))))
     return layout("rows" if trial.aligned else "square", 3, room, SensorConfig())
 
 
@@ -144,8 +144,8 @@ def stage_dance(trial: Trial) -> tuple[PosedView, Layout]:
         plans.append(planned(body, _kept(cues, trial), trial.length_s, slot=slot, heading_rad=heading))
         bodies.append(body)
     joints, pelvis = np.array([plan.joints[0] for plan in plans]), np.array([plan.pelvis[0] for plan in plans])
-    stage = Stage(bodies, room, (heading, heading), joints, pelvis, StageConfig(), BodyConfig(), RobotConfig())
-    return PosedView(stage, plans, (float(room.robot[0]), float(room.robot[1]), heading)), room
+    physics = Physics(bodies, room, (heading, heading), joints, pelvis, PhysicsConfig(), BodyConfig(), RobotConfig())
+    return PosedView(physics, plans, (float(room.robot[0]), float(room.robot[1]), heading)), room
 
 
 def _kept(cues: list[Cue], trial: Trial) -> list[Cue]:
@@ -188,6 +188,6 @@ def perform(view: PosedView, room: Layout, trial: Trial, ticks: int) -> Outcome:
 
 
 def run(trial: Trial) -> Outcome:
-    """Stage a trial and see it."""
+    """Perform a trial and see it."""
     view, room = stage_dance(trial)
     return perform(view, room, trial, round(trial.length_s * RATE_HZ))

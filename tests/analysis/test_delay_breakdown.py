@@ -5,11 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from sjasim.analysis.delay_breakdown import insight
+from sjasim.analysis.delay_breakdown import delay_report
 from sjasim.analysis.session_metrics import measures
 from sjasim.core import Kind
 from sjasim.core.session_log import Decision
-from sjasim.record.rerun.explanation import STAGES, StepStory, explained, told, verdict
+from sjasim.record.rerun.explanation import STAGES, StepDelay, explained, told, verdict
 
 from .synthetic import DETECTION_S, ROBOT_LAG_S, session
 
@@ -36,7 +36,7 @@ def step_event(log, order):
 
 @pytest.fixture(scope="module")
 def found():
-    return insight(led(late=(0.5, 0.0, 0.0)))
+    return delay_report(led(late=(0.5, 0.0, 0.0)))
 
 
 def test_parts_add_up_to_the_delay(found):
@@ -62,24 +62,24 @@ def test_a_late_dancer_is_named(found):
 
 def test_timing_is_that_of_the_measures():
     log = session(iterations=2)
-    assert [value for _, value in insight(log).ta] == list(measures(log).ta_s)
+    assert [value for _, value in delay_report(log).ta] == list(measures(log).ta_s)
 
 
 def test_clock_errors_are_found_for_every_sensor():
-    errors = insight(session(iterations=2)).clocks
+    errors = delay_report(session(iterations=2)).clocks
     assert set(errors) == {"east", "north", "west"}
     assert np.allclose(errors["north"][1], 0.0015)
 
 
 @pytest.mark.parametrize(("robot_s", "word"), [(1.1, "on time"), (1.6, "late"), (0.4, "early"), (np.nan, "missed")])
 def test_verdicts(robot_s, word):
-    step = StepStory(1, 0, Kind.CLAP, 1.0, robot_s, "", (np.nan,) * 4 + (0.1, robot_s - 1.1), "because")
+    step = StepDelay(1, 0, Kind.CLAP, 1.0, robot_s, "", (np.nan,) * 4 + (0.1, robot_s - 1.1), "because")
     assert verdict(step) == word
     assert "because" in explained(step)
 
 
 def test_humans_only_has_graphs_and_no_steps():
-    alone = insight(session(method="none", robot=False, iterations=1))
+    alone = delay_report(session(method="none", robot=False, iterations=1))
     assert alone.steps == ()
     assert len(alone.graphs) == 1
     assert "no robot" in told(alone)

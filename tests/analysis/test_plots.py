@@ -2,7 +2,7 @@
 
 import pytest
 
-from sjasim.analysis.delay_breakdown import insight
+from sjasim.analysis.delay_breakdown import delay_report
 from sjasim.core.errors import RecordError
 
 from .synthetic import session
@@ -18,7 +18,7 @@ def log():
 
 
 def test_every_figure_is_written_once(log, tmp_path):
-    found = insight(log)
+    found = delay_report(log)
     paths = plots.save_plots(log, found, tmp_path / "plots")
     assert {path.name for path in paths} == set(plots.FILES)
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
@@ -29,12 +29,12 @@ def test_every_figure_is_written_once(log, tmp_path):
 
 def test_humans_only_has_no_timing(tmp_path):
     log = session(method="none", robot=False, iterations=1, joints=False)
-    paths = plots.save_plots(log, insight(log), tmp_path)
+    paths = plots.save_plots(log, delay_report(log), tmp_path)
     assert {path.name for path in paths} == {"raster.png", "graph.png"}
 
 
 def test_axes_have_units_and_titles(log):
-    found = insight(log)
+    found = delay_report(log)
     for figure in (plots.timing([value for _, value in found.ta]), plots.delays(found)):
         for axes in figure.axes:
             assert axes.get_title()

@@ -9,7 +9,7 @@ from sjasim.anticipation.method import build
 from sjasim.choreography.paper import paper
 from sjasim.choreography.score import Timetable
 from sjasim.core import Event, Kind
-from sjasim.core.method_io import Brief, Intention, Wake
+from sjasim.core.method_io import MethodContext, ScheduleCommand, SetTimer
 from sjasim.core.tempo import TempoMap
 
 CAST = ("dancer_1", "dancer_2", "dancer_3")
@@ -22,7 +22,7 @@ DELAY_S = 0.02
 
 def brief(cast=CAST):
     span = range(5)
-    return Brief(
+    return MethodContext(
         cast,
         STEPS,
         4,
@@ -52,7 +52,7 @@ def dance(iteration, offsets, skip=()):
     return sorted(events, key=lambda item: item.t_arrival_s)
 
 
-class Stage:
+class Story:
     """Plays events to a method and keeps its latest answer for every step, as the dispatcher would."""
 
     def __init__(self, name, cast=CAST, **options):
@@ -63,12 +63,12 @@ class Stage:
         self.wakes = []
 
     def take(self, answers):
-        self.wakes += [answer.t_s for answer in answers if isinstance(answer, Wake)]
-        kept = [answer for answer in answers if not isinstance(answer, Wake)]
+        self.wakes += [answer.t_s for answer in answers if isinstance(answer, SetTimer)]
+        kept = [answer for answer in answers if not isinstance(answer, SetTimer)]
         for answer in kept:
             self.answers.append(answer)
             key = (answer.iteration, answer.ordinal)
-            if isinstance(answer, Intention):
+            if isinstance(answer, ScheduleCommand):
                 self.plan[key] = answer
             else:
                 self.plan.pop(key)
@@ -78,7 +78,7 @@ class Stage:
         """Nothing happens but timers."""
         due = sorted(t_s for t_s in self.wakes if t_s <= until_s)
         self.wakes = [t_s for t_s in self.wakes if t_s > until_s]
-        return [answer for t_s in due for answer in self.take(self.method.on_wake(t_s))]
+        return [answer for t_s in due for answer in self.take(self.method.on_timer(t_s))]
 
     def begin(self, iteration):
         return self.take(self.method.on_iteration_start(iteration, start_s(iteration)))
@@ -104,5 +104,5 @@ class Stage:
 @pytest.fixture
 def story():
     """What tells a story: the stage, the events, the music."""
-    return SimpleNamespace(Stage=Stage, event=event, dance=dance, start_s=start_s, brief=brief,
+    return SimpleNamespace(Story=Story, event=event, dance=dance, start_s=start_s, brief=brief,
                            nominal=NOMINAL, delay_s=DELAY_S, timetable=TIMETABLE)  # fmt: skip

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from sjasim.anticipation.checked_method import Hooks
+from sjasim.anticipation.checked_method import CheckedMethod
 from sjasim.anticipation.method import build
 from sjasim.core.errors import ConfigError, HookError, PluginError
-from sjasim.core.method_io import Brief, Intention, Wake, Withdrawal
+from sjasim.core.method_io import CancelCommand, MethodContext, ScheduleCommand, SetTimer
 
 
 class Mine:
@@ -32,7 +32,7 @@ class Mine:
     def on_iteration_end(self, iteration, t_s):
         return ()
 
-    def on_wake(self, t_s):
+    def on_timer(self, t_s):
         return self.answer / 0
 
     def follows(self, iteration):
@@ -46,51 +46,53 @@ def mine():
 
 def asked(mine, answer, told_s=2.0):
     mine.answer = answer
-    return Hooks("my:Mine", mine).ask("on_event", told_s, (None,))
+    return CheckedMethod("my:Mine", mine).ask("on_event", told_s, (None,))
 
 
 @pytest.mark.parametrize(
     "answer",
-    [(), [], (Intention(1, 0, 3.0, "why"),), [Withdrawal(1, 0, "why"), Wake(2.1)],
-     (Intention(np.int64(1), 0, np.float32(3.0), "why"),), (Intention(1, 99, math.nan, "the dispatcher's matter"),)],
+    [(), [], (ScheduleCommand(1, 0, 3.0, "why"),), [CancelCommand(1, 0, "why"), SetTimer(2.1)],
+     (ScheduleCommand(np.int64(1), 0, np.float32(3.0), "why"),), (ScheduleCommand(1, 99, math.nan, "the dispatcher's matter"),)],
 )  # fmt: skip
 def test_answers_pass_unchanged(mine, answer):
     assert asked(mine, answer) == answer
 
 
-@pytest.mark.parametrize("answer", [None, Intention(1, 0, 3.0, "why"), "early", 7, {1: 2}, iter([])])
+@pytest.mark.parametrize("answer", [None, ScheduleCommand(1, 0, 3.0, "why"), "early", 7, {1: 2}, iter([])])
 def test_what_is_no_sequence_of_answers_is_refused(mine, answer):
     with pytest.raises(
-        PluginError, match=r"my:Mine.on_event returned .*; a sequence of Intention, Withdrawal and Wake"
+        PluginError, match=r"my:Mine.on_event returned .*; a sequence of ScheduleCommand, CancelCommand and SetTimer"
     ):
         asked(mine, answer)
 
 
 def test_nor_are_other_things_in_a_sequence(mine):
     with pytest.raises(PluginError, match=r"my:Mine.on_event returned 'early' among its answers"):
-        asked(mine, [Wake(3.0), "early"])
-    with pytest.raises(PluginError, match=r"Intention.t_s = None is not allowed: a session time"):
-        asked(mine, [Intention(1, 0, None, "why")])
-    with pytest.raises(PluginError, match=r"Withdrawal.iteration = '1' is not allowed: a whole number"):
-        asked(mine, [Withdrawal("1", 0, "why")])
+        asked(mine, [SetTimer(3.0), "early"])
+    with pytest.raises(PluginError, match=r"ScheduleCommand.t_s = None is not allowed: a session time"):
+        asked(mine, [ScheduleCommand(1, 0, None, "why")])
+    with pytest.raises(PluginError, match=r"CancelCommand.iteration = '1' is not allowed: a whole number"):
+        asked(mine, [CancelCommand("1", 0, "why")])
 
 
 @pytest.mark.parametrize("t_s", [2.0, 1.0, math.nan, math.inf, -math.inf])
 def test_a_wake_must_lie_in_the_future(mine, t_s):
-    with pytest.raises(PluginError, match=r"Wake.t_s = \S+ is not allowed at session time 2 s: .* in the future"):
-        asked(mine, [Wake(t_s)])
+    with pytest.raises(PluginError, match=r"SetTimer.t_s = \S+ is not allowed at session time 2 s: .* in the future"):
+        asked(mine, [SetTimer(t_s)])
 
 
 def test_an_error_of_the_users_own_is_kept_and_named(mine):
     mine.answer = 1
-    with pytest.raises(HookError, match=r"my:Mine.on_wake failed at session time 6.520 s: ZeroDivisionError") as caught:
-        Hooks("my:Mine", mine).ask("on_wake", 6.52, (6.52,))
+    with pytest.raises(
+        HookError, match=r"my:Mine.on_timer failed at session time 6.520 s: ZeroDivisionError"
+    ) as caught:
+        CheckedMethod("my:Mine", mine).ask("on_timer", 6.52, (6.52,))
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
 
 
 def test_who_is_followed_is_a_tuple_of_names(mine):
-    hooks = Hooks("my:Mine", mine)
-    hooks.reset(Brief(("dancer_1", "dancer_2"), (), 1, 0.5, (0.0, 9.0), (9.0, 18.0)), np.random.default_rng(0))
+    hooks = CheckedMethod("my:Mine", mine)
+    hooks.reset(MethodContext(("dancer_1", "dancer_2"), (), 1, 0.5, (0.0, 9.0), (9.0, 18.0)), np.random.default_rng(0))
     for said, meant in (((), ()), (None, None), (["dancer_1"], ("dancer_1",))):
         mine.answer = said
         assert hooks.follows(1, 2.0) == meant

@@ -11,7 +11,7 @@ from sjasim.anticipation.method import build
 from sjasim.anticipation.observation import MOVES, Features
 from sjasim.core import Event, Kind
 from sjasim.core.errors import ConfigError
-from sjasim.core.method_io import Intention, Wake, Withdrawal
+from sjasim.core.method_io import CancelCommand, ScheduleCommand, SetTimer
 from sjasim.server.dispatcher import MOVES as MOVE_OF
 
 from ..contracts.test_anticipation import STEPS, brief
@@ -39,8 +39,8 @@ def dance(method, plan):
         t_s, _, _, hook, given = heapq.heappop(agenda)
         for answer in hook(*given):
             out.append((t_s, answer))
-            if isinstance(answer, Wake):
-                heapq.heappush(agenda, (answer.t_s, 3, len(told) + len(out), method.on_wake, (answer.t_s,)))
+            if isinstance(answer, SetTimer):
+                heapq.heappush(agenda, (answer.t_s, 3, len(told) + len(out), method.on_timer, (answer.t_s,)))
     return out
 
 
@@ -59,8 +59,8 @@ def test_a_file_of_another_kind_is_refused_without_advice_to_load_it(tmp_path):
 def test_it_keeps_the_contract(policy):
     plan = brief()
     answers = dance(start(policy, plan), plan)
-    own = [answer for _, answer in answers if isinstance(answer, Intention)]
-    assert not any(isinstance(answer, Withdrawal) for _, answer in answers)
+    own = [answer for _, answer in answers if isinstance(answer, ScheduleCommand)]
+    assert not any(isinstance(answer, CancelCommand) for _, answer in answers)
     keys = [(answer.iteration, answer.ordinal) for answer in own]
     assert keys == [(iteration, ordinal) for iteration in range(1, 5) for ordinal in range(len(STEPS))]
     method = start(policy, plan)
@@ -71,7 +71,7 @@ def test_it_keeps_the_contract(policy):
 
 def test_it_asks_at_the_rate_it_was_trained_with(policy):
     plan = brief()
-    wakes = sorted({answer.t_s for _, answer in dance(start(policy, plan), plan) if isinstance(answer, Wake)})
+    wakes = sorted({answer.t_s for _, answer in dance(start(policy, plan), plan) if isinstance(answer, SetTimer)})
     assert np.diff(wakes) == pytest.approx(0.1)
 
 

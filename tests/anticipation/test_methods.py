@@ -4,26 +4,26 @@ import numpy as np
 import pytest
 
 from sjasim.anticipation.scheduled_method import LEAD_S
-from sjasim.core.method_io import Intention
+from sjasim.core.method_io import ScheduleCommand
 
 AT = {"dancer_1": 0.2, "dancer_2": 0.3, "dancer_3": 0.4}
 
 
 def test_eca_repeats_the_mean_of_the_iteration_before(story):
-    stage = story.Stage("eca").play(0, AT)
+    stage = story.Story("eca").play(0, AT)
     assert stage.after(1) == pytest.approx(story.nominal + 0.3 - LEAD_S)
-    assert all(isinstance(answer, Intention) and answer.person == "" for answer in stage.answers)
+    assert all(isinstance(answer, ScheduleCommand) and answer.person == "" for answer in stage.answers)
     stage.play(1, {name: offset - 0.5 for name, offset in AT.items()})
     assert stage.after(2) == pytest.approx(story.nominal - 0.2 - LEAD_S)
 
 
 def test_eca_leaves_a_straggler_out_of_the_mean(story):
-    stage = story.Stage("eca").play(0, {"dancer_1": 0.0, "dancer_2": 0.2, "dancer_3": 2.5})
+    stage = story.Story("eca").play(0, {"dancer_1": 0.0, "dancer_2": 0.2, "dancer_3": 2.5})
     assert stage.after(1) == pytest.approx(story.nominal + 0.1 - LEAD_S)
 
 
 def test_eca_keeps_the_last_time_of_a_step_that_only_one_dancer_did(story):
-    stage = story.Stage("eca").play(0, AT)
+    stage = story.Story("eca").play(0, AT)
     alone = [(name, 4) for name in ("dancer_1", "dancer_2")]
     stage.play(1, {name: offset + 0.4 for name, offset in AT.items()}, skip=alone)
     expected = story.nominal + 0.7 - LEAD_S
@@ -33,18 +33,18 @@ def test_eca_keeps_the_last_time_of_a_step_that_only_one_dancer_did(story):
 
 
 def test_a_missing_first_forward_does_not_make_the_second_one_first(story):
-    stage = story.Stage("eca").play(0, AT, skip=[("dancer_2", 0), ("dancer_2", 1)])
+    stage = story.Story("eca").play(0, AT, skip=[("dancer_2", 0), ("dancer_2", 1)])
     expected = story.nominal + 0.3 - LEAD_S
     assert stage.after(1) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("name", ["eca", "sia"])
 def test_without_any_events_the_nominal_beats_then_the_last_schedule(story, name):
-    stage = story.Stage(name)
+    stage = story.Story(name)
     stage.begin(0)
     stage.end(0)
     assert stage.after(1) == pytest.approx(story.nominal - LEAD_S)
-    eca = story.Stage("eca").play(0, AT)
+    eca = story.Story("eca").play(0, AT)
     eca.begin(1)
     eca.end(1)
     assert eca.after(2) == pytest.approx(story.nominal + 0.3 - LEAD_S)
@@ -52,18 +52,18 @@ def test_without_any_events_the_nominal_beats_then_the_last_schedule(story, name
 
 @pytest.mark.parametrize("name", ["eca", "sia", "metronome"])
 def test_without_a_rehearsal_the_first_iteration_is_scheduled_at_its_start(story, name):
-    stage = story.Stage(name)
+    stage = story.Story(name)
     stage.begin(1)
     assert stage.after(1) == pytest.approx(story.nominal - LEAD_S)
 
 
 def test_a_dancer_alone_is_enough_for_a_group_of_one(story):
-    stage = story.Stage("eca", cast=("dancer_1",)).play(0, {"dancer_1": 0.5})
+    stage = story.Story("eca", cast=("dancer_1",)).play(0, {"dancer_1": 0.5})
     assert stage.after(1) == pytest.approx(story.nominal + 0.5 - LEAD_S)
 
 
 def test_early_events_and_strangers_are_no_history(story):
-    stage = story.Stage("eca")
+    stage = story.Story("eca")
     for person in (*AT, "stranger"):
         for step in range(9):
             kind = story.brief().steps[step].kind
@@ -73,7 +73,7 @@ def test_early_events_and_strangers_are_no_history(story):
 
 
 def test_the_metronome_hears_nobody(story):
-    stage = story.Stage("metronome", lead_s=0.3)
+    stage = story.Story("metronome", lead_s=0.3)
     for iteration in range(4):
         stage.play(iteration, {"dancer_1": 1.0, "dancer_2": -1.0})
     for iteration in range(1, 5):
@@ -83,13 +83,13 @@ def test_the_metronome_hears_nobody(story):
 
 def test_nothing_is_scheduled_after_the_last_iteration(story):
     for name in ("eca", "sia", "metronome"):
-        stage = story.Stage(name).play(4, AT)
+        stage = story.Story(name).play(4, AT)
         assert not any(iteration > 4 for iteration, _ in stage.plan)
 
 
 def test_a_shift_of_the_whole_group_moves_the_schedule_by_as_much(story):
     rng = np.random.default_rng(5)
     offsets = {name: rng.normal(0, 0.2, 9) for name in AT}
-    base = story.Stage("eca").play(0, offsets).after(1)
-    later = story.Stage("eca").play(0, {name: offset + 0.6 for name, offset in offsets.items()}).after(1)
+    base = story.Story("eca").play(0, offsets).after(1)
+    later = story.Story("eca").play(0, {name: offset + 0.6 for name, offset in offsets.items()}).after(1)
     assert later - base == pytest.approx(np.full(9, 0.6))

@@ -8,7 +8,7 @@ from sjasim.anticipation.scheduled_method import LEAD_S
 from sjasim.anticipation.sia import HOLD_S
 from sjasim.choreography.march import march
 from sjasim.core import Event, Kind
-from sjasim.core.method_io import Brief, Intention, Wake, Withdrawal
+from sjasim.core.method_io import CancelCommand, MethodContext, ScheduleCommand, SetTimer
 
 TOGETHER = {"dancer_1": 0.0, "dancer_2": 0.05, "dancer_3": 0.6}
 SF, TF, SB, TB, CLAP, TURN = Kind
@@ -17,7 +17,7 @@ SF, TF, SB, TB, CLAP, TURN = Kind
 @pytest.fixture
 def following(story):
     """A stage at the beginning of iteration 2, in which dancer_1 is followed."""
-    stage = story.Stage("sia").play(0, TOGETHER).play(1, TOGETHER)
+    stage = story.Story("sia").play(0, TOGETHER).play(1, TOGETHER)
     stage.begin(2)
     assert stage.method.follows(2) == ("dancer_1",)
     return stage
@@ -25,12 +25,12 @@ def following(story):
 
 def sent(answers):
     """(ordinal, person) of answers that trigger."""
-    return [(a.ordinal, a.person) for a in answers if isinstance(a, Intention)]
+    return [(a.ordinal, a.person) for a in answers if isinstance(a, ScheduleCommand)]
 
 
 def test_iteration_one_is_scheduled_from_the_rehearsal(story):
-    stage = story.Stage("sia").play(0, TOGETHER)
-    eca = story.Stage("eca").play(0, TOGETHER)
+    stage = story.Story("sia").play(0, TOGETHER)
+    eca = story.Story("eca").play(0, TOGETHER)
     assert stage.after(1) == pytest.approx(eca.after(1))
     assert stage.method.follows(1) == ()
     before = len(stage.answers)
@@ -39,11 +39,11 @@ def test_iteration_one_is_scheduled_from_the_rehearsal(story):
 
 
 def test_the_robots_edges_while_it_follows_nobody_are_an_option(story):
-    assert story.Stage("sia", edges="all").play(0, TOGETHER).method.follows(1) is None
+    assert story.Story("sia", edges="all").play(0, TOGETHER).method.follows(1) is None
 
 
 def test_the_rehearsals_leader_is_followed_at_once_if_asked(story):
-    stage = story.Stage("sia", effective_from=1).play(0, TOGETHER)
+    stage = story.Story("sia", effective_from=1).play(0, TOGETHER)
     assert stage.method.follows(1) == ("dancer_1",)
     assert sent(stage.tell(story.event("dancer_1", 1, SF, 0.1, early=True))) == [(0, "dancer_1")]
 
@@ -51,7 +51,7 @@ def test_the_rehearsals_leader_is_followed_at_once_if_asked(story):
 def test_one_dancer_always_late_is_never_followed(story):
     rng = np.random.default_rng(1)
     for _ in range(10):
-        stage = story.Stage("sia")
+        stage = story.Story("sia")
         for iteration in range(4):
             offsets = {name: rng.normal(0, 0.05, 9) for name in ("dancer_1", "dancer_3")}
             stage.play(iteration, {**offsets, "dancer_2": 0.7 + rng.normal(0, 0.05, 9)})
@@ -97,7 +97,7 @@ def test_an_early_clap_is_no_clap(following, story):
 
 
 def test_an_event_outside_the_window_is_not_followed(story):
-    stage = story.Stage("sia", window_s=1.0).play(0, TOGETHER).play(1, TOGETHER)
+    stage = story.Story("sia", window_s=1.0).play(0, TOGETHER).play(1, TOGETHER)
     stage.begin(2)
     assert stage.tell(story.event("dancer_1", 2, SF, -1.1, early=True)) == []
     assert sent(stage.tell(story.event("dancer_1", 2, SF, -0.9, early=True))) == [(0, "dancer_1")]
@@ -136,7 +136,7 @@ def test_a_phrase_that_comes_early_as_a_whole_is_followed(following, story):
 def test_a_phrase_that_is_danced_alone_is_not_scheduled_twice(story):
     early = np.array([0.0, 0.0, 0.0, 0.0, -1.5, -1.5, 0.0, 0.0, 0.0])
     at = {"dancer_1": early, "dancer_2": early + 0.05, "dancer_3": early + 0.6}
-    following = story.Stage("sia").play(0, at).play(1, at)
+    following = story.Story("sia").play(0, at).play(1, at)
     following.begin(2)
     for index, kind in enumerate((SF, TF, SB, TB)):
         following.tell(story.event("dancer_1", 2, kind, story.nominal[index]))
@@ -165,7 +165,7 @@ def test_nothing_is_expected_after_the_clap(following, story):
 def test_a_phrase_begun_too_late_is_made_shorter(story):
     late = np.array([0.0, 0.0, 0.0, 0.0, 1.4, 1.4, 0.0, -0.5, -1.5])
     at = {"dancer_1": late, "dancer_2": late + 0.05, "dancer_3": late + 0.6}
-    following = story.Stage("sia").play(0, at).play(1, at)
+    following = story.Story("sia").play(0, at).play(1, at)
     following.begin(2)
     for index, kind in enumerate((SF, TF, SB, TB)):
         following.tell(story.event("dancer_1", 2, kind, story.nominal[index]))
@@ -195,7 +195,7 @@ def test_a_phrase_that_the_leader_leaves_out_is_danced_to_its_end_before_the_tur
 def test_the_stop_of_a_followed_start_needs_no_window(story):
     long = np.array([0.0, 2.5, 2.5, 2.5, 2.5, 2.5, 0.0, 0.0, 0.0])
     at = {"dancer_1": long, "dancer_2": long + 0.05, "dancer_3": 0.6}
-    following = story.Stage("sia").play(0, at).play(1, at)
+    following = story.Story("sia").play(0, at).play(1, at)
     following.begin(2)
     assert following.method.follows(2) == ("dancer_1",)
     assert sent(following.tell(story.event("dancer_1", 2, SF, 0.1))) == [(0, "dancer_1")]
@@ -210,7 +210,7 @@ def test_timers_do_nothing_while_the_leader_is_followed(following, story):
 
 def test_the_fallback_waits_for_its_schedule_if_that_is_later(story):
     at = {"dancer_1": -0.7, "dancer_2": -0.7, "dancer_3": 0.7}
-    stage = story.Stage("sia", window_s=0.3).play(0, at).play(1, at)
+    stage = story.Story("sia", window_s=0.3).play(0, at).play(1, at)
     mean = -0.7 / 3  # all three lie within one chain of epsilon
     assert stage.after(2)[:8] == pytest.approx(story.nominal[:8] + mean - LEAD_S)
 
@@ -243,12 +243,12 @@ def test_a_move_whose_stop_was_seen_first_is_made_late_if_time_is_left(following
 def test_a_move_that_would_not_be_over_in_time_is_passed_over_with_its_stop(following, story):
     following.tell(story.event("dancer_1", 2, TB, story.nominal[3]))
     answers = following.tell(story.event("dancer_1", 2, TF, story.nominal[4] + 1.95))
-    assert [type(one) for one in answers] == [Withdrawal, Withdrawal]
+    assert [type(one) for one in answers] == [CancelCommand, CancelCommand]
     assert [one.ordinal for one in answers] == [4, 5]
 
 
 def test_the_leaders_missing_time_is_replaced_by_the_schedule(story):
-    stage = story.Stage("sia").play(0, TOGETHER)
+    stage = story.Story("sia").play(0, TOGETHER)
     stage.play(1, TOGETHER, skip=[("dancer_1", 4)])
     assert stage.method.follows(2) == ("dancer_1",)  # tied with dancer_2, and followed before
     scheduled = story.nominal[4] + (0.05 + 0.6) / 2
@@ -256,7 +256,7 @@ def test_the_leaders_missing_time_is_replaced_by_the_schedule(story):
 
 
 def test_a_tie_keeps_the_leader_and_is_logged(story):
-    stage = story.Stage("sia").play(0, {"dancer_1": 1.0, "dancer_2": 0.0, "dancer_3": 0.1})
+    stage = story.Story("sia").play(0, {"dancer_1": 1.0, "dancer_2": 0.0, "dancer_3": 0.1})
     assert stage.method.follows(1) == ()
     stage.play(1, {"dancer_1": 0.0, "dancer_2": 0.0, "dancer_3": 0.0})
     assert stage.method.follows(2) == ("dancer_2",)
@@ -264,7 +264,7 @@ def test_a_tie_keeps_the_leader_and_is_logged(story):
 
 
 def test_an_iteration_without_events_keeps_leader_and_schedule(story):
-    stage = story.Stage("sia").play(0, TOGETHER)
+    stage = story.Story("sia").play(0, TOGETHER)
     stage.play(1, {"dancer_1": 1.5, "dancer_2": 0.3, "dancer_3": 0.3})
     assert stage.method.follows(2) == ("dancer_2",)
     stage.begin(2)
@@ -276,7 +276,7 @@ def test_an_iteration_without_events_keeps_leader_and_schedule(story):
 
 def test_a_new_leader_is_followed_from_the_close_of_the_window(story):
     stage = (
-        story.Stage("sia").play(0, TOGETHER).play(1, TOGETHER).play(2, {"dancer_1": 2, "dancer_2": 0, "dancer_3": 0})
+        story.Story("sia").play(0, TOGETHER).play(1, TOGETHER).play(2, {"dancer_1": 2, "dancer_2": 0, "dancer_3": 0})
     )
     # before beat 0 of iteration 3
     assert sent(stage.tell(story.event("dancer_2", 3, SF, -0.5, early=True))) == [(0, "dancer_2")]
@@ -287,15 +287,15 @@ def test_a_dance_that_ends_with_a_move_is_danced_alone_to_its_end(story):
     steps, starts = march().steps(), (4.0, 30.0, 60.0)
     ends = tuple(start + 24.0 for start in starts)
     method = build("sia")
-    method.reset(Brief(("dancer_1", "dancer_2"), steps, 2, 0.5, starts, ends), np.random.default_rng(0))
+    method.reset(MethodContext(("dancer_1", "dancer_2"), steps, 2, 0.5, starts, ends), np.random.default_rng(0))
     for iteration in (0, 1):
         for step in steps:
             for person in ("dancer_1", "dancer_2"):
                 t_s = starts[iteration] + 0.5 * step.beat
                 method.on_event(Event(person, step.kind, t_s, t_s + 0.02, False, iteration, "north"))
         answers = method.on_iteration_end(iteration, ends[iteration])
-    wakes = sorted(answer.t_s for answer in answers if isinstance(answer, Wake))
-    last = [ordinal for ordinal, _ in sent(method.on_wake(wakes[-1]))] or [
-        ordinal for t_s in wakes for ordinal, _ in sent(method.on_wake(t_s))
+    wakes = sorted(answer.t_s for answer in answers if isinstance(answer, SetTimer))
+    last = [ordinal for ordinal, _ in sent(method.on_timer(wakes[-1]))] or [
+        ordinal for t_s in wakes for ordinal, _ in sent(method.on_timer(t_s))
     ]
     assert last[-1] == steps[-1].ordinal

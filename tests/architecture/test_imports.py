@@ -16,7 +16,7 @@ LEVELS = {
     **dict.fromkeys(("config", "config_io"), 2),
     **dict.fromkeys(("choreography", "assets"), 3),
     **dict.fromkeys(("humans", "robot", "sensors", "server", "anticipation", "record"), 4),
-    **dict.fromkeys(("stage", "ledger", "turns", "render", "window", "people", "worlds", "analysis"), 5),
+    **dict.fromkeys(("stage", "recorder", "turns", "render", "window", "people", "worlds", "analysis"), 5),
     "session": 6,
 }
 """Room -> level; every other top-level module is a command line or a study, at level 7."""
@@ -29,8 +29,8 @@ SAME_LEVEL = {
     ("config_io", "config"), ("addresses", "memory"),
     ("choreography", "assets"),
     ("render", "stage"), ("window", "render"), ("window", "stage"),
-    ("ledger", "stage"), ("turns", "stage"), ("turns", "ledger"), ("worlds", "turns"),
-    ("worlds", "stage"), ("worlds", "ledger"), ("worlds", "people"),
+    ("recorder", "stage"), ("turns", "stage"), ("turns", "recorder"), ("worlds", "turns"),
+    ("worlds", "stage"), ("worlds", "recorder"), ("worlds", "people"),
 }  # fmt: skip
 """(room, room of the same level that it may import)."""
 

@@ -1,4 +1,4 @@
-"""Compiling is told of as it happens, and only then."""
+"""Compiling is on_compile of as it happens, and only then."""
 
 from numba import njit
 
@@ -12,7 +12,7 @@ def doubled(value):
 
 def test_every_function_that_is_compiled_is_counted():
     heard = []
-    with compile_listener.told(heard.append):
+    with compile_listener.on_compile(heard.append):
         doubled(1)
         assert heard == [1]
         doubled(2)

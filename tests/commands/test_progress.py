@@ -14,13 +14,13 @@ def clock(monkeypatch):
 
 
 def test_compiling_is_told_at_once_and_then_every_twenty_seconds(clock, capsys):
-    with progress.signs_of_life("dancing (sia)") as told:
+    with progress.progress_reporter("dancing (sia)") as on_compile:
         for second in range(50):
             clock[0] = float(second)
-            told.compiling(second + 1)
+            on_compile.compiling(second + 1)
         for second in range(50, 91):
             clock[0] = float(second)
-            told.dancing((second - 50) / 40)
+            on_compile.dancing((second - 50) / 40)
     assert capsys.readouterr().err.splitlines() == [
         "compiling for this machine, the first time only (1 function)",
         "compiling for this machine, the first time only (21 functions)",
@@ -31,16 +31,16 @@ def test_compiling_is_told_at_once_and_then_every_twenty_seconds(clock, capsys):
 
 
 def test_a_short_session_says_nothing(clock, capsys):
-    with progress.signs_of_life("dancing (sia)") as told:
+    with progress.progress_reporter("dancing (sia)") as on_compile:
         for second in range(20):
             clock[0] = float(second)
-            told.dancing(second / 20)
+            on_compile.dancing(second / 20)
     assert capsys.readouterr().err == ""
 
 
 def test_a_terminal_gets_a_bar(monkeypatch, capsys):
     monkeypatch.setenv("FORCE_COLOR", "1")
-    with progress.signs_of_life("dancing (sia)") as told:
-        told.compiling(1)
-        told.dancing(0.5)
+    with progress.progress_reporter("dancing (sia)") as on_compile:
+        on_compile.compiling(1)
+        on_compile.dancing(0.5)
     assert "dancing (sia)" in capsys.readouterr().err

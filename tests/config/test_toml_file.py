@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from sjasim.config import BodyConfig, FaultConfig, RobotConfig, RoomConfig, SessionConfig
+from sjasim.config import BodyConfig, FaultConfig, RobotConfig, SceneConfig, SessionConfig
 from sjasim.config.toml_file import from_plain, read_toml, to_plain, to_toml
 from sjasim.core.errors import ConfigError
 
@@ -14,7 +14,7 @@ RICH = SessionConfig(
     layout="custom",
     method_options={"epsilon_s": 1.25, "name": 'a "quoted" \u00e9\x7f', "count": 2, "on": True},
     faults=(FaultConfig("clock_jump", "west", 3.0, -0.4), FaultConfig("dancer_stops", "dancer_2", 9.5)),
-    room=RoomConfig(slots_m=((0.0, 1.0), (1.0, 0.0))),
+    room=SceneConfig(slots_m=((0.0, 1.0), (1.0, 0.0))),
     body=BodyConfig(stature_m=(1.6, 1.7)),
     robot=RobotConfig(gyro_noise_rad_s=1e-5),
 )

@@ -11,7 +11,7 @@ from sjasim.choreography.paper import paper
 from sjasim.choreography.score import Timetable
 from sjasim.core import Event, Kind, registry
 from sjasim.core.errors import ConfigError, PluginError, UnknownNameError
-from sjasim.core.method_io import Brief, Intention, Wake, Withdrawal
+from sjasim.core.method_io import CancelCommand, MethodContext, ScheduleCommand, SetTimer
 from sjasim.core.tempo import TempoMap
 
 STEPS = paper().steps()
@@ -22,7 +22,7 @@ METHODS = tuple(name for name in registry.names("anticipation") if name != "lear
 
 def brief(cast=("dancer_1", "dancer_2", "dancer_3"), shift=0.0):
     starts = tuple(TIMETABLE.start_s(i) + shift for i in range(5))
-    return Brief(cast, STEPS, 4, 60 / 118, starts, tuple(TIMETABLE.close_s(i) + shift for i in range(5)))
+    return MethodContext(cast, STEPS, 4, 60 / 118, starts, tuple(TIMETABLE.close_s(i) + shift for i in range(5)))
 
 
 def dance(method, plan, seed=0, missing=0.1, noise_s=0.3):
@@ -45,9 +45,9 @@ def dance(method, plan, seed=0, missing=0.1, noise_s=0.3):
     for now, _, hook, arguments in sorted(told, key=lambda item: item[:2]):
         for wake in sorted(wake for wake in wakes if wake <= now):
             wakes.remove(wake)
-            out += [(wake, answer) for answer in method.on_wake(wake)]
+            out += [(wake, answer) for answer in method.on_timer(wake)]
         answers = hook(*arguments)
-        wakes += [answer.t_s for answer in answers if isinstance(answer, Wake)]
+        wakes += [answer.t_s for answer in answers if isinstance(answer, SetTimer)]
         out += [(now, answer) for answer in answers]
     return out
 
@@ -72,11 +72,11 @@ class TestEveryMethod:
     def test_answers_only_for_steps_that_exist(self, name):
         plan = brief()
         for now, answer in dance(start(name, plan), plan):
-            assert isinstance(answer, Intention | Withdrawal | Wake)
-            if isinstance(answer, Intention):
+            assert isinstance(answer, ScheduleCommand | CancelCommand | SetTimer)
+            if isinstance(answer, ScheduleCommand):
                 assert math.isfinite(answer.t_s)
                 assert answer.person in ("", *plan.cast)
-            if isinstance(answer, Wake):
+            if isinstance(answer, SetTimer):
                 assert now < answer.t_s < math.inf
             else:
                 assert 1 <= answer.iteration <= 4
@@ -87,7 +87,7 @@ class TestEveryMethod:
     def test_intends_every_step_of_a_clean_dance(self, name):
         plan = brief()
         answers = dance(start(name, plan), plan, missing=0.0, noise_s=0.02)
-        intended = {(a.iteration, a.ordinal) for _, a in answers if isinstance(a, Intention)}
+        intended = {(a.iteration, a.ordinal) for _, a in answers if isinstance(a, ScheduleCommand)}
         assert intended == {(i, step.ordinal) for i in range(1, 5) for step in STEPS}
 
     def test_same_story_same_answers_and_reset_forgets(self, name):
@@ -102,7 +102,7 @@ class TestEveryMethod:
         plan, later = brief(), brief(shift=1000.0)
         for (_, a), (_, b) in zip(dance(start(name, plan), plan), dance(start(name, later), later), strict=True):
             assert type(a) is type(b)
-            if not isinstance(a, Withdrawal):
+            if not isinstance(a, CancelCommand):
                 assert b.t_s - a.t_s == pytest.approx(1000.0, abs=1e-6)
 
     @pytest.mark.parametrize("cast", [("dancer_1",), ("dancer_1", "dancer_2"), tuple(f"dancer_{i}" for i in range(8))])

@@ -16,7 +16,7 @@ import pytest
 from sjasim_envs import ENVIRONMENTS
 from sjasim_envs.dance import OPTIONS
 from sjasim_envs.reward import RewardConfig
-from sjasim_envs.wrappers import Told
+from sjasim_envs.wrappers import MethodPolicy
 
 from sjasim.anticipation import method
 from sjasim.choreography.timetable import timetable
@@ -24,7 +24,7 @@ from sjasim.commands.options import main
 from sjasim.config import FAULTS, SessionConfig
 from sjasim.config.toml_file import from_plain, to_plain
 from sjasim.core.errors import SjasimError
-from sjasim.core.method_io import Brief, Intention
+from sjasim.core.method_io import MethodContext, ScheduleCommand
 from sjasim.record.parquet import write_rows
 from sjasim.simulation.cast import people
 
@@ -38,7 +38,7 @@ def brief_and_log():
     log = session(iterations=2, joints=False)
     table = timetable(from_plain(log.config))
     numbers = range(3)
-    brief = Brief(
+    brief = MethodContext(
         cast=("dancer_1", "dancer_2", "dancer_3"),
         steps=table.choreography.steps(),
         iterations=2,
@@ -56,10 +56,10 @@ def test_the_example_commands_every_step_once_seen(brief_and_log, monkeypatch, d
     plugin = method.build("follow_first:FollowFirst", {"dancer": dancer})
     plugin.reset(brief, np.random.default_rng(0))
     answers = [answer for event in sorted(log.events, key=lambda e: e.t_arrival_s) for answer in plugin.on_event(event)]
-    assert all(isinstance(answer, Intention) and answer.person == dancer for answer in answers)
+    assert all(isinstance(answer, ScheduleCommand) and answer.person == dancer for answer in answers)
     assert [(answer.iteration, answer.ordinal) for answer in answers] == [(i, k) for i in (1, 2) for k in range(9)]
     assert list(plugin.on_iteration_start(1, 0.0)) == list(plugin.on_iteration_end(1, 0.0)) == []
-    assert list(plugin.on_wake(0.0)) == []
+    assert list(plugin.on_timer(0.0)) == []
 
 
 def test_the_readme_names_files_and_figures_that_exist():
@@ -90,7 +90,7 @@ def test_the_page_of_the_environments_names_what_they_have():
     for field in dataclasses.fields(RewardConfig):
         assert f"`{field.name}` {field.default:g}" in page, field.name
     assert all(f"`{name}`" in page for name in (*ENVIRONMENTS, *OPTIONS))
-    assert f"{Told(env).observation_space.shape[0]} numbers" in page
+    assert f"{MethodPolicy(env).observation_space.shape[0]} numbers" in page
     assert page.count("<!-- ") == 2
 
 

@@ -18,7 +18,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers import FlattenObservation, RecordEpisodeStatistics, RecordVideo, RescaleAction, TimeLimit
 from sjasim_envs import ENVIRONMENTS
 from sjasim_envs.dance import DanceEnv
-from sjasim_envs.wrappers import InOrder, Told
+from sjasim_envs.wrappers import InOrder, MethodPolicy
 
 import sjasim
 from sjasim.analysis.session_metrics import measures
@@ -83,7 +83,7 @@ def test_an_observation_that_somebody_keeps_stays_as_it_was():
 
 
 def test_told_is_what_a_method_is_told():
-    env = Told(make(method="eca"))
+    env = MethodPolicy(make(method="eca"))
     row = env.reset(seed=3)[0]
     session, features = env.unwrapped.session, Features(env.unwrapped.session.brief)
     session.advance(9.0)
@@ -96,7 +96,7 @@ def test_told_is_what_a_method_is_told():
     assert np.array_equal(row, features.row(session.time_s, MOVES.index(current.move), current.t_start_s))
     assert row in env.observation_space
     with pytest.raises(error.Error, match="last_iteration"):
-        Told(make("sjasim/DanceFlat-v0"))
+        MethodPolicy(make("sjasim/DanceFlat-v0"))
 
 
 def test_in_order_steps_are_sent_once_and_near_their_beat():
@@ -122,7 +122,7 @@ def test_in_order_steps_are_sent_once_and_near_their_beat():
 
 def test_stable_baselines_can_learn():
     algorithms = pytest.importorskip("stable_baselines3", reason="the extra rl is not installed")
-    env = Told(make(step_hz=5))
+    env = MethodPolicy(make(step_hz=5))
     model = algorithms.PPO("MlpPolicy", env, n_steps=32, batch_size=32, n_epochs=1, device="cpu").learn(32)
     assert env.action_space.contains(int(model.predict(env.reset(seed=0)[0])[0]))
 

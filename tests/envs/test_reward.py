@@ -16,7 +16,7 @@ from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
 from sjasim.core import Event, Kind
-from sjasim.core.method_io import Brief
+from sjasim.core.method_io import MethodContext
 from sjasim.core.session_log import AgentEvent
 
 from .dancers import Oracle, dance, idle, leave_be
@@ -36,13 +36,13 @@ class Story:
         starts, ends = (tuple(at(i) for i in numbers) for at in (TABLE.start_s, TABLE.close_s))
         self.pose, self.touching = (0.0, 0.0), False
         room = layout("square", 3, CONFIG.room, CONFIG.sensors)
-        stage = SimpleNamespace(
+        physics = SimpleNamespace(
             contacts=SimpleNamespace(bumped=lambda: self.touching),
             robot_pose=lambda: (room.robot[0] + self.pose[0], room.robot[1] + self.pose[1], math.pi / 2),
         )
         self.session = SimpleNamespace(
-            brief=Brief(CAST, STEPS, 2, 60 / 118, starts, ends), config=CONFIG, timetable=TABLE, layout=room,
-            events=[], followed=[], world=SimpleNamespace(robot_events=[], stage=stage), time_s=starts[1],
+            brief=MethodContext(CAST, STEPS, 2, 60 / 118, starts, ends), config=CONFIG, timetable=TABLE, layout=room,
+            events=[], followed=[], world=SimpleNamespace(robot_events=[], physics=physics), time_s=starts[1],
         )  # fmt: skip
         self.scorer = Scorer(self.session, RewardConfig.of(weights))
 

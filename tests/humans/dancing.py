@@ -10,20 +10,20 @@ import numpy as np
 from sjasim.analysis.ground_truth_events import claps, moves
 from sjasim.choreography.layout import layout
 from sjasim.choreography.score import MOVE_EVENTS, Choreography, Timetable
-from sjasim.config import BodyConfig, RobotConfig, RoomConfig, SensorConfig, StageConfig
+from sjasim.config import BodyConfig, PhysicsConfig, RobotConfig, SceneConfig, SensorConfig
 from sjasim.core import Array, Cue, Kind, Move, dancer_name
 from sjasim.core.registry import resolve
 from sjasim.core.tempo import TempoMap
 from sjasim.humans.body.anatomy import Anatomy, Build, anatomy
-from sjasim.humans.motion.balance_controller import Balance, BalanceGains
+from sjasim.humans.motion.balance_controller import BalanceController, BalanceGains
 from sjasim.humans.motion.planner import Planner
-from sjasim.humans.motion.reference_trajectory import Reference
-from sjasim.simulation.control_loop import DancersTurn
-from sjasim.simulation.physics import Stage
-from sjasim.simulation.recorder import Ledger
+from sjasim.humans.motion.reference_trajectory import ReferenceTrajectory
+from sjasim.simulation.control_loop import DancerController
+from sjasim.simulation.physics import Physics
+from sjasim.simulation.recorder import GroundTruthRecorder
 
-HZ = StageConfig().balance_hz
-TICKS = StageConfig().rate_hz // HZ
+HZ = PhysicsConfig().balance_hz
+TICKS = PhysicsConfig().rate_hz // HZ
 NORTH = np.pi / 2
 
 
@@ -57,7 +57,7 @@ def jittered(timetable: Timetable, iteration: int, dancer: int, rng: np.random.G
     return cues
 
 
-def at_rest(reference: Reference) -> Reference:
+def at_rest(reference: ReferenceTrajectory) -> ReferenceTrajectory:
     """One dancer's plan with the rows that are not planned yet filled as they are read: the last one, repeated."""
     known = int(reference.until[0])
     for name in ("joints", "pelvis", "yaw", "dcm", "weight", "ankles", "foot_yaw", "landing", "torque"):
@@ -80,20 +80,20 @@ class Floor:
 
     def __post_init__(self) -> None:
         count = len(self.bodies)
-        room = layout("square", min(count, 3), RoomConfig(), SensorConfig())
+        room = layout("square", min(count, 3), SceneConfig(), SensorConfig())
         if self.slots is not None:
             room = replace(room, dancers=self.slots)
         self.ticks = round(self.seconds * HZ)
-        self.reference = Reference.empty(count, self.ticks + 120)
+        self.reference = ReferenceTrajectory.empty(count, self.ticks + 120)
         self.planners = [
             Planner(body, room.dancers[i], self.heading, 0.5, self.turn_rad, HZ, self.reference.of(i))
             for i, body in enumerate(self.bodies)
         ]
         start = self.reference.joints[:, 0].copy(), self.reference.pelvis[:, 0].copy()
-        self.stage = Stage(self.bodies, room, (self.heading, NORTH), *start, StageConfig(), self.body, self.robot)
+        self.physics = Physics(self.bodies, room, (self.heading, NORTH), *start, PhysicsConfig(), self.body, self.robot)
         omega = np.array([planner.omega for planner in self.planners])
-        balance = Balance(self.reference, omega, HZ, self.stage.servos, self.gains)
-        self.turn = DancersTurn(self.stage, balance, Ledger(self.stage.servos.weight, 1))
+        balance = BalanceController(self.reference, omega, HZ, self.physics.servos, self.gains)
+        self.turn = DancerController(self.physics, balance, GroundTruthRecorder(self.physics.servos.weight, 1))
         self.cues: list[list[Cue]] = [[] for _ in self.bodies]
         self.tick = 0
         self.truth: dict[str, list[Array]] = {name: [] for name in ("roots", "tether", "loads", "hands", "joints")}
@@ -107,12 +107,12 @@ class Floor:
         last = self.ticks if seconds is None else self.tick + round(seconds * HZ)
         for tick in range(self.tick, last):
             self.turn.take(tick, tick / HZ)
-            self.stage.step_to((tick + 1) * TICKS)
-            self.stage.feel()
-            states = self.stage.states()
+            self.physics.step_to((tick + 1) * TICKS)
+            self.physics.feel()
+            states = self.physics.states()
             gaps = np.linalg.norm(states.hands[:, 0] - states.hands[:, 1], axis=1)
             rows = states.root, states.tether, states.load, gaps
-            for column, row in zip(self.truth.values(), (*rows, self.stage.joints_m), strict=True):
+            for column, row in zip(self.truth.values(), (*rows, self.physics.joints_m), strict=True):
                 column.append(np.array(row))
         self.tick = last
         return self

@@ -109,9 +109,9 @@ def test_an_environment_takes_it(body):
     for _ in range(15):
         observation, *_ = env.step(0)
     assert all(np.isfinite(part).all() for part in observation.values())
-    stage = env.unwrapped.session.world.stage
-    assert (stage.joints_m[:, JOINTS.index("SpineBase"), 2] > 0.75).all()
-    assert stage.model.nu == 3 * 61 + 2
+    physics = env.unwrapped.session.world.physics
+    assert (physics.joints_m[:, JOINTS.index("SpineBase"), 2] > 0.75).all()
+    assert physics.model.nu == 3 * 61 + 2
     env.close()
 
 

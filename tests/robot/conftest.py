@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 
 from sjasim.assets.names import FLOOR_BIT, ROBOT_PREFIX
-from sjasim.config import RobotConfig, StageConfig
+from sjasim.config import PhysicsConfig, RobotConfig
 from sjasim.core import Kind, Move, MoveCommand, RobotState, WheelReading
 from sjasim.core.clock import Task, Ticks
-from sjasim.robot.base_controller import Executor
+from sjasim.robot.base_controller import BaseController
 from sjasim.robot.diff_drive import wheel_command
 from sjasim.robot.mjcf import robot_spec
 from sjasim.robot.odometry import Odometry, RobotEventDetector
 
 HEARTBEAT_S = 0.2
-RATE_HZ = StageConfig().rate_hz
+RATE_HZ = PhysicsConfig().rate_hz
 
 
 def command(number: int, move: Move, *, speed: float | None = None, heading: float = 0.0) -> MoveCommand:
@@ -38,7 +38,7 @@ class Rig:
         self.control = Task(self.ticks, self.config.odometry_hz)
         self.odometry = Odometry(self.config, (0.0, 0.0, 0.0), np.random.default_rng(0))
         self.detector = RobotEventDetector(self.config)
-        self.executor = Executor(self.config)
+        self.executor = BaseController(self.config)
         self.events: list[tuple[Kind, float]] = []
         self.states: list[RobotState] = []
         self.truth: list[tuple[float, float, float]] = []

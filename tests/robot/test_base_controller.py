@@ -9,7 +9,7 @@ import pytest
 from sjasim.config import RobotConfig
 from sjasim.core import Move, RobotState
 from sjasim.core.errors import ConfigError
-from sjasim.robot.base_controller import Executor
+from sjasim.robot.base_controller import BaseController
 from sjasim.robot.diff_drive import body_rates
 
 CONFIG = RobotConfig(dead_time_s=0.1)
@@ -20,7 +20,7 @@ class Base:
     """An ideal base: it does in the next interval exactly what it was told."""
 
     def __init__(self, config: RobotConfig = CONFIG):
-        self.executor = Executor(config)
+        self.executor = BaseController(config)
         self.config = config
         self.k = 0
         self.heading = self.speed = self.yaw_rate = 0.0

@@ -9,7 +9,7 @@ from sjasim.choreography.paper import paper
 from sjasim.choreography.score import Timetable
 from sjasim.config import SessionConfig
 from sjasim.core import Event, Kind, Move
-from sjasim.core.method_io import Brief
+from sjasim.core.method_io import MethodContext
 from sjasim.core.tempo import TempoMap
 from sjasim.server import Dispatcher
 
@@ -18,7 +18,7 @@ TIMETABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)
 STEPS = TIMETABLE.choreography.steps()
 BEAT_S = 60 / 118
 CAST = ("dancer_1", "dancer_2", "dancer_3")
-BRIEF = Brief(CAST, STEPS, 4, BEAT_S, tuple(TIMETABLE.start_s(i) for i in range(5)),
+BRIEF = MethodContext(CAST, STEPS, 4, BEAT_S, tuple(TIMETABLE.start_s(i) for i in range(5)),
               tuple(TIMETABLE.close_s(i) for i in range(5)))  # fmt: skip
 LEAD_S = 0.1
 
@@ -54,7 +54,7 @@ def conduct(name, events):
             now = dispatcher.next_due_s
             commands += dispatcher.due(now)
             for wake in dispatcher.wakes_due(now):
-                dispatcher.answer(wake, method.on_wake(wake))
+                dispatcher.answer(wake, method.on_timer(wake))
         dispatcher.answer(t_s, hook(*arguments))
         commands += dispatcher.due(t_s)
     return dispatcher, list({command.number: command for command in commands}.values())

@@ -71,7 +71,7 @@ def test_an_unwritable_folder_is_found_before_the_dance(tmp_path, capfd):
 
 
 def test_an_error_in_a_users_own_hook_keeps_its_traceback(tmp_path, monkeypatch, capfd):
-    hooks = "".join(f"    def {name}(self, *given): return ()\n" for name in ("reset", "on_event", "on_wake"))
+    hooks = "".join(f"    def {name}(self, *given): return ()\n" for name in ("reset", "on_event", "on_timer"))
     hooks += (
         "    def on_iteration_start(self, iteration, t_s): return 1 / 0\n    def on_iteration_end(self, *given): pass\n"
     )

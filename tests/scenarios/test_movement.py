@@ -6,7 +6,7 @@ import math
 import pytest
 
 from sjasim.config import DanceConfig
-from sjasim.simulation.motion_trials import FULL_RANGE, collision, dance, figures, pushed
+from sjasim.simulation.motion_trials import FULL_RANGE, collision, count_falls_after_push, dance, figures
 
 DANCE = DanceConfig(rehearsal=False)
 
@@ -23,7 +23,7 @@ def test_a_robot_that_drives_into_a_dancer_is_stopped_and_the_dancer_sways(side)
 @pytest.mark.slow
 @pytest.mark.parametrize("walking", [False, True], ids=["standing", "walking"])
 def test_a_push_of_20_newton_seconds_fells_nobody(walking):
-    assert sum(pushed(seed, 20.0, walking=walking) for seed in range(9601, 9605)) == 0
+    assert sum(count_falls_after_push(seed, 20.0, walking=walking) for seed in range(9601, 9605)) == 0
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ import numpy as np
 
 from sjasim.assets.names import JOINT_INDEX, JOINTS
 from sjasim.choreography.layout import Mount, layout
-from sjasim.config import DetectorConfig, RoomConfig, SensorConfig
+from sjasim.config import DetectorConfig, SceneConfig, SensorConfig
 from sjasim.core import ClientOrder, DeviceEvent, Kind, Solids
 from sjasim.core.clock import DeviceClock, stream
 from sjasim.sensors.client import Client
@@ -126,7 +126,7 @@ class Screen:
 
 
 class ScriptedView:
-    """A `StageView` of scripts."""
+    """A `SceneView` of scripts."""
 
     def __init__(self, scripts: list[Script], screens: list[Screen] | None = None) -> None:
         self.scripts = scripts
@@ -151,7 +151,7 @@ class ScriptedView:
         return Solids(rows.reshape(-1, 3), shape, centres, np.tile(np.eye(3).ravel(), (len(there), 1)))
 
 
-NORTH: Mount = layout("square", 3, RoomConfig(), SensorConfig()).mounts[0]
+NORTH: Mount = layout("square", 3, SceneConfig(), SensorConfig()).mounts[0]
 PLACES = ((0.97, 0.23), (-0.23, 0.97), (0.23, -0.97))
 FRAME_HZ = 30
 

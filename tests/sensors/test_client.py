@@ -7,7 +7,7 @@ import math
 import pytest
 
 from sjasim.choreography.layout import layout
-from sjasim.config import RoomConfig, SensorConfig
+from sjasim.config import SceneConfig, SensorConfig
 from sjasim.core import ClientOrder, ClientStatus, DeviceEvent, SyncReply, SyncRequest
 from sjasim.core.clock import DeviceClock
 
@@ -66,7 +66,7 @@ def test_status_rate_holds_for_any_rate(status_hz: int):
 
 
 def test_status_places_persons_in_the_world():
-    for mount in layout("square", 3, RoomConfig(), SensorConfig()).mounts:
+    for mount in layout("square", 3, SceneConfig(), SensorConfig()).mounts:
         view = ScriptedView([Script(place, 0.4 * index, sway_m=0.0) for index, place in enumerate(PLACES)])
         watcher = client(sensors=EXACT, mount=mount)
         _, status = run(watcher, view, 0, 3)[0]

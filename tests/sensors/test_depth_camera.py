@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from sjasim.choreography.layout import layout
-from sjasim.config import RoomConfig, SensorConfig
+from sjasim.config import SceneConfig, SensorConfig
 from sjasim.core import Geoms
 from sjasim.sensors.depth_camera import Camera, Intrinsics
 from sjasim.skeleton_training.trials import Trial, stage_dance
 
-NORTH = layout("square", 3, RoomConfig(), SensorConfig()).mounts[0]
+NORTH = layout("square", 3, SceneConfig(), SensorConfig()).mounts[0]
 FOV = math.radians(70.6), math.radians(60.0)
 FORMS = {
     "plane": (0, (0.5, 0.3, 0.1)),
@@ -113,15 +113,15 @@ def test_what_lies_behind_or_before_nothing_is_not_seen():
     assert not seen.incidence.any()
 
 
-def first_hits(stage, directions):
+def first_hits(physics, directions):
     """MuJoCo's own rays from the north sensor: distance, and the dancer that is hit or -1."""
     count = len(directions)
     geom, distance = np.empty(count, dtype=np.int32), np.empty(count)
     groups = np.array([1, 1, 1, 0, 1, 1], dtype=np.uint8)
     mujoco.mj_multiRay(
-        stage.model, stage.data, NORTH.position, directions.ravel(), groups, 1, -1, geom, distance, None, count, 10.0
+        physics.model, physics.data, NORTH.position, directions.ravel(), groups, 1, -1, geom, distance, None, count, 10.0
     )
-    names = [stage.model.geom(int(index)).name if index >= 0 else "" for index in geom]
+    names = [physics.model.geom(int(index)).name if index >= 0 else "" for index in geom]
     return distance, np.array([int(name[7]) - 1 if name.startswith("dancer_") else -1 for name in names])
 
 

@@ -24,7 +24,7 @@ def sensing(config: SensorConfig = EXACT, seed: int = 0, group: int = 3) -> Join
     return JointsSensing(NORTH, config, group, stream(seed, "sensors", "north"))
 
 
-def stage(**options: object) -> ScriptedView:
+def physics(**options: object) -> ScriptedView:
     return ScriptedView([Script(place, sway_m=0.0) for place in PLACES], **options)
 
 
@@ -40,7 +40,7 @@ def row(sensor: JointsSensing, dancer: int) -> int:
 
 def errors(config: SensorConfig, frames: int, seed: int = 0, screens: list[Screen] | None = None) -> np.ndarray:
     """(frames, P, 25, 3) estimated minus true joints in the sensor's frame."""
-    sensor, view, out = sensing(config, seed), stage(screens=screens), []
+    sensor, view, out = sensing(config, seed), physics(screens=screens), []
     for tick in range(frames):
         view.time_s = tick / FRAME_HZ
         true = (view.joints_m[sensor.dancers] - NORTH.position) @ NORTH.world_from_sensor
@@ -49,7 +49,7 @@ def errors(config: SensorConfig, frames: int, seed: int = 0, screens: list[Scree
 
 
 def test_without_errors_the_joints_are_the_true_ones_in_the_sensors_frame():
-    sensor, view = sensing(), stage()
+    sensor, view = sensing(), physics()
     skeletons = seen(sensor, view)
     world = skeletons.joints @ NORTH.world_from_sensor.T + NORTH.position
     assert np.allclose(world, view.joints_m[sensor.dancers], atol=1e-12)
@@ -64,7 +64,7 @@ def test_is_registered_under_its_name():
 
 
 def test_frame_values_are_read_only():
-    skeletons = seen(sensing(), stage())
+    skeletons = seen(sensing(), physics())
     with pytest.raises(ValueError, match="read-only"):
         skeletons.joints[0, 0, 0] = 0.0
 
@@ -95,7 +95,7 @@ def test_bias_is_constant_per_person_and_joint():
 
 
 def test_drift_runs_on_over_frames_not_taken():
-    sensor, view = sensing(DRIFTING), stage()
+    sensor, view = sensing(DRIFTING), physics()
     values = []
     for tick in range(0, 12000, 6):
         view.time_s = tick / FRAME_HZ
@@ -111,7 +111,7 @@ def screen_before(view: ScriptedView, dancer: int, joint: str, radius_m: float, 
 
 
 def test_hidden_hand_is_inferred_and_its_error_grows_smoothly():
-    view = stage()
+    view = physics()
     view.screens = [screen_before(view, 0, "HandLeft", 0.08, from_s=1.0, until_s=3.0)]
     sensor, hand, values, states = sensing(STEADY), JOINT_INDEX["HandLeft"], [], []
     for tick in range(180):
@@ -134,7 +134,7 @@ def test_hidden_hand_is_inferred_and_its_error_grows_smoothly():
 
 
 def test_hiding_the_torso_makes_no_jump_that_looks_like_motion():
-    view = stage()
+    view = physics()
     screen = screen_before(view, 0, "SpineBase", 0.07, from_s=1.0, until_s=2.0)
     base = JOINT_INDEX["SpineBase"]
     biggest = 0.0
@@ -145,7 +145,7 @@ def test_hiding_the_torso_makes_no_jump_that_looks_like_motion():
 
 
 def test_what_the_body_holds_in_place_is_tracked_while_hidden_and_farther_off():
-    view, base = stage(), JOINT_INDEX["SpineBase"]
+    view, base = physics(), JOINT_INDEX["SpineBase"]
     screen = screen_before(view, 0, "SpineBase", 0.07, from_s=1.0)
     view.screens, view.time_s, sensor = [screen], 2.0, sensing()
     assert seen(sensor, view).state[row(sensor, 0), base] == TRACKED
@@ -157,7 +157,7 @@ def test_what_the_body_holds_in_place_is_tracked_while_hidden_and_farther_off():
 
 
 def test_a_hidden_torso_makes_the_person_untracked():
-    view = stage()
+    view = physics()
     view.screens = [screen_before(view, 1, "SpineMid", 0.6)]
     sensor = sensing()
     skeletons = seen(sensor, view)
@@ -167,7 +167,7 @@ def test_a_hidden_torso_makes_the_person_untracked():
 
 
 def test_own_flesh_does_not_hide_a_joint_but_the_own_body_does():
-    view, hand = stage(), JOINT_INDEX["HandLeft"]
+    view, hand = physics(), JOINT_INDEX["HandLeft"]
     joint = view.joints_m[0, hand]
     towards = (NORTH.position - joint) / np.linalg.norm(NORTH.position - joint)
     sensor = sensing()
@@ -193,7 +193,7 @@ def test_field_of_view_is_judged_per_joint():
 
 def test_frame_loss_has_the_given_rate_and_its_own_stream():
     config = SensorConfig(frame_loss=0.1)
-    sensor, view = sensing(config), stage()
+    sensor, view = sensing(config), physics()
     lost = 0
     for tick in range(3000):
         view.time_s = tick / FRAME_HZ

@@ -3,7 +3,7 @@
 import math
 
 from sjasim.core import Event, Kind
-from sjasim.server.attendance import WAIT_S, RollCall
+from sjasim.server.attendance import WAIT_S, AttendanceMonitor
 
 
 def event(person, iteration, early=False, t_s=1e3):
@@ -12,7 +12,7 @@ def event(person, iteration, early=False, t_s=1e3):
 
 def test_the_missing_are_named_window_by_window(world):
     table = world.timetable
-    roll_call = RollCall(("dancer_1", "dancer_2"), table)
+    roll_call = AttendanceMonitor(("dancer_1", "dancer_2"), table)
     assert roll_call.next_due_s == table.close_s(0) + WAIT_S
     roll_call.saw(event("dancer_1", 0))
     roll_call.saw(event("dancer_2", 0))
@@ -27,7 +27,7 @@ def test_the_missing_are_named_window_by_window(world):
 
 def test_who_stops_within_a_window_is_named(world):
     table = world.timetable
-    roll_call = RollCall(("dancer_1", "dancer_2", "dancer_3"), table)
+    roll_call = AttendanceMonitor(("dancer_1", "dancer_2", "dancer_3"), table)
     due = [table.time_s(0, step.beat) for step in table.choreography.steps()]
     for t_s in due:
         roll_call.saw(event("dancer_1", 0, t_s=t_s + 0.3))

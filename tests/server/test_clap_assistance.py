@@ -3,7 +3,7 @@
 import pytest
 
 from sjasim.core import Kind
-from sjasim.server.clap_assistance import UNSEEN_S, Assistance
+from sjasim.server.clap_assistance import UNSEEN_S, ClapAssistance
 
 CAST = ("dancer_1", "dancer_2", "dancer_3")
 
@@ -84,7 +84,7 @@ def test_a_clap_at_the_handover_is_neither_lost_nor_doubled(behind, world):
 
 
 def test_without_assistance_the_active_client_counts_alone(world):
-    assistance = Assistance(CAST, world.timetable, 0.0)
+    assistance = ClapAssistance(CAST, world.timetable, 0.0)
     at = world.timetable.time_s(1, 32.0)
     assistance.saw(at, [])
     assert not assistance.window(at)
@@ -92,7 +92,7 @@ def test_without_assistance_the_active_client_counts_alone(world):
 
 
 def test_hands_that_were_unseen_a_moment_ago_still_need_help(world):
-    assistance = Assistance(CAST, world.timetable, 2.0)
+    assistance = ClapAssistance(CAST, world.timetable, 2.0)
     at = world.timetable.time_s(1, 32.0)
     assistance.saw(at - 1.5, ["dancer_1", "dancer_2"])
     assistance.saw(at - 0.5, ["dancer_1", "dancer_3"])

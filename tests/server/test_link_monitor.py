@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from sjasim.server.link_monitor import Exchanges
+from sjasim.server.link_monitor import LinkMonitor
 
 
 def listen(loss, until_s=60.0, seed=0, alive=lambda t_s: True):
     """Notices about one client's link at 4 exchanges per second."""
     rng = np.random.default_rng(seed)
-    exchanges = Exchanges("north")
+    exchanges = LinkMonitor("north")
     notices = []
     for k in range(int(4 * until_s)):
         t_s = k / 4

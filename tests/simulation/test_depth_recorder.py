@@ -11,14 +11,14 @@ import rerun as rr
 from sjasim.config import SessionConfig
 from sjasim.record.rerun.recording import save
 from sjasim.session.session import Session
-from sjasim.simulation.depth_recorder import PICTURES_HZ, STEP_MM, DepthWatch
+from sjasim.simulation.depth_recorder import PICTURES_HZ, STEP_MM, DepthRecorder
 
 SECONDS = 1.0
 
 
-def watched() -> tuple[Session, DepthWatch]:
+def watched() -> tuple[Session, DepthRecorder]:
     session = Session(SessionConfig(method="none", humans="metronomic", sensing="joints"))
-    watch = DepthWatch(session)
+    watch = DepthRecorder(session)
     session.world.watchers.append(watch.tick)
     session.advance(SECONDS)
     return session, watch
@@ -45,4 +45,4 @@ def test_watching_changes_nothing():
     session, _ = watched()
     alone = Session(SessionConfig(method="none", humans="metronomic", sensing="joints"))
     alone.advance(SECONDS)
-    assert np.array_equal(session.world.stage.data.qpos, alone.world.stage.data.qpos)
+    assert np.array_equal(session.world.physics.data.qpos, alone.world.physics.data.qpos)

@@ -23,49 +23,49 @@ def floor(count: int = 1, seconds: float = 6.0, **options) -> Floor:
 def test_standing_feet_carry_the_weight():
     standing = floor(3).run(3.0)
     loads = standing.column("loads")[HZ:].mean(axis=0)
-    assert loads == pytest.approx(standing.stage.servos.weight, rel=0.01)
+    assert loads == pytest.approx(standing.physics.servos.weight, rel=0.01)
     masses = [body.build.mass_kg * 9.81 for body in standing.bodies]
-    assert standing.stage.servos.weight == pytest.approx(masses, rel=1e-6)
+    assert standing.physics.servos.weight == pytest.approx(masses, rel=1e-6)
 
 
 def test_what_is_felt_of_the_floor_is_the_force_of_its_contacts_and_kept_until_felt_anew():
-    stage = floor(2).run(1.0).stage
+    physics = floor(2).run(1.0).physics
     found, force = np.zeros(2), np.zeros(6)
-    for index, contact in enumerate(stage.data.contact):
-        owners = [stage.model.geom(geom).name for geom in contact.geom]
+    for index, contact in enumerate(physics.data.contact):
+        owners = [physics.model.geom(geom).name for geom in contact.geom]
         dancer = [name.startswith("dancer_2") for name in owners if name != "floor"]
-        mujoco.mj_contactForce(stage.model, stage.data, index, force)
+        mujoco.mj_contactForce(physics.model, physics.data, index, force)
         found[int(dancer[0])] += force[0]
-    stage.feel()
-    assert stage.states().load == pytest.approx(found, rel=1e-6)
-    felt = stage.states().load
-    stage.step_to(stage.tick + 2)
-    assert stage.states().load.tolist() == felt.tolist()
+    physics.feel()
+    assert physics.states().load == pytest.approx(found, rel=1e-6)
+    felt = physics.states().load
+    physics.step_to(physics.tick + 2)
+    assert physics.states().load.tolist() == felt.tolist()
 
 
 def test_everybody_starts_as_planned():
     start = floor(3)
-    assert start.stage.states().root[:, :3] == pytest.approx(start.reference.pelvis[:, 0])
-    assert start.stage.time_s == 0.0
-    assert start.stage.joints_m.shape == (3, len(JOINTS), 3)
-    assert start.stage.yaw_rad == pytest.approx(np.pi / 2)
-    ankles = start.stage.states().ankles
+    assert start.physics.states().root[:, :3] == pytest.approx(start.reference.pelvis[:, 0])
+    assert start.physics.time_s == 0.0
+    assert start.physics.joints_m.shape == (3, len(JOINTS), 3)
+    assert start.physics.yaw_rad == pytest.approx(np.pi / 2)
+    ankles = start.physics.states().ankles
     assert ankles == pytest.approx(start.reference.ankles[:, 0], abs=1e-6)
 
 
 def test_what_is_hidden_agrees_with_single_rays():
-    stage = floor(3, robot=RobotConfig()).run(0.5).stage
+    physics = floor(3, robot=RobotConfig()).run(0.5).physics
     rng = np.random.default_rng(0)
     origin = np.array([0.3, 3.0, 1.0])
     points = rng.uniform([-1.5, -1.5, 0.05], [1.5, 1.5, 1.9], (400, 3))
     whose = rng.integers(0, 3, 400)
-    told = hidden(origin, points, whose, np.zeros(400), stage.solids)
+    told = hidden(origin, points, whose, np.zeros(400), physics.solids)
     groups = np.array([1, 1, 1, 0, 1, 1], dtype=np.uint8)
     for point, one in zip(points, told, strict=True):
         way = point - origin
         length = np.linalg.norm(way)
         single = mujoco.mj_ray(
-            stage.model, stage.data, origin, way / length, groups, 1, -1, np.zeros(1, dtype=np.int32)
+            physics.model, physics.data, origin, way / length, groups, 1, -1, np.zeros(1, dtype=np.int32)
         )
         assert one == (0.0 <= single < length)
     assert 0.1 < told.mean() < 0.9
@@ -74,68 +74,68 @@ def test_what_is_hidden_agrees_with_single_rays():
 def test_palms_touch_at_a_clap():
     dancing = floor(seconds=4.0)
     dancing.plan(0, [walk_cue(Move.CLAP, 2.0, 0.0)], 0.0)
-    stage = dancing.stage
-    hands = {stage.model.geom(f"dancer_1/hand_{side}").id for side in "LR"}
+    physics = dancing.physics
+    hands = {physics.model.geom(f"dancer_1/hand_{side}").id for side in "LR"}
     touched = []
     while dancing.tick < 3 * HZ:
         dancing.run(1 / HZ)
-        pairs = [set(pair) for pair in stage.data.contact.geom]
-        touched += [stage.time_s] * (hands in pairs)
+        pairs = [set(pair) for pair in physics.data.contact.geom]
+        touched += [physics.time_s] * (hands in pairs)
     assert touched
     assert touched[0] == pytest.approx(2.0, abs=0.1)
     assert touched[-1] < 2.5
 
 
 def test_a_robot_that_is_not_driven_stays_put():
-    stage = floor(robot=RobotConfig()).run(3.0).stage
-    x, y, heading = stage.robot_pose()
+    physics = floor(robot=RobotConfig()).run(3.0).physics
+    x, y, heading = physics.robot_pose()
     assert (x, y) == pytest.approx(tuple(_robot_slot()), abs=2e-3)
     assert heading == pytest.approx(np.pi / 2, abs=5e-3)
-    qpos, sensed, _, _, where = stage.robot
+    qpos, sensed, _, _, where = physics.robot
     assert qpos[where[:2]] == pytest.approx((0.0, 0.0), abs=0.05)
     assert sensed[where[2]] == pytest.approx(0.0, abs=0.02)
 
 
 def _robot_slot():
     from sjasim.choreography.layout import layout
-    from sjasim.config import RoomConfig, SensorConfig
+    from sjasim.config import SceneConfig, SensorConfig
 
-    return layout("square", 1, RoomConfig(), SensorConfig()).robot
+    return layout("square", 1, SceneConfig(), SensorConfig()).robot
 
 
 def test_it_bumps_where_a_contact_says_so():
-    stage = floor(1, robot=RobotConfig()).stage
-    pelvis, at = stage.states().root[0, :2], stage.model.joint("robot/root").qposadr[0]
+    physics = floor(1, robot=RobotConfig()).physics
+    pelvis, at = physics.states().root[0, :2], physics.model.joint("robot/root").qposadr[0]
     touched = []
     for away_m in np.arange(0.8, 0.0, -0.02):
-        stage.data.qpos[at : at + 2] = pelvis[0], pelvis[1] + away_m
-        mujoco.mj_forward(stage.model, stage.data)
-        names = [[stage.model.geom(geom).name.partition("/")[0] for geom in one.geom] for one in stage.data.contact]
+        physics.data.qpos[at : at + 2] = pelvis[0], pelvis[1] + away_m
+        mujoco.mj_forward(physics.model, physics.data)
+        names = [[physics.model.geom(geom).name.partition("/")[0] for geom in one.geom] for one in physics.data.contact]
         touched.append(any({"robot", "dancer_1"} == set(pair) for pair in names))
-        assert stage.contacts.bumped() == touched[-1]
+        assert physics.contacts.bumped() == touched[-1]
     assert (touched[0], touched[-1]) == (False, True)
 
 
 def test_who_is_let_go_falls_and_the_others_stand():
     dancing = floor(2, 8.0)
     dancing.run(0.5)
-    dancing.stage.let_go(0)
+    dancing.physics.let_go(0)
     dancing.run(2.5)
-    heights = [dancing.stage.height_m(k) / body.standing_m for k, body in enumerate(dancing.bodies)]
+    heights = [dancing.physics.height_m(k) / body.standing_m for k, body in enumerate(dancing.bodies)]
     assert heights[0] < 0.65
     assert heights[1] > 0.95
     dancing.run(3.0)
-    assert 0.0 < dancing.stage.height_m(0) < 0.45  # on the floor, not below it
-    assert np.abs(dancing.stage.data.qvel).max() < 3.0
+    assert 0.0 < dancing.physics.height_m(0) < 0.45  # on the floor, not below it
+    assert np.abs(dancing.physics.data.qvel).max() < 3.0
 
 
 def test_a_push_moves_a_dancer_and_ends():
     dancing = floor(2)
     dancing.run(1.0)
-    dancing.stage.push(0, np.array([40.0, 0.0, 0.0]))
+    dancing.physics.push(0, np.array([40.0, 0.0, 0.0]))
     dancing.run(0.2)
-    dancing.stage.push(0, np.zeros(3))
-    moved = np.abs(dancing.stage.states().root[:, 0] - dancing.reference.pelvis[:, 0, 0])
+    dancing.physics.push(0, np.zeros(3))
+    moved = np.abs(dancing.physics.states().root[:, 0] - dancing.reference.pelvis[:, 0, 0])
     assert moved[0] > 3e-3
     assert moved[1] < 3e-3
     dancing.run(2.5)
@@ -148,19 +148,19 @@ def test_without_a_tether_nothing_pulls():
 
 
 def test_an_unstable_simulation_says_so():
-    stage = floor().stage
-    stage.data.qvel[:] = 1e9
-    stage.step_to(50)
+    physics = floor().physics
+    physics.data.qvel[:] = 1e9
+    physics.step_to(50)
     with pytest.raises(SjasimError, match="unstable"):
-        stage.check()
+        physics.check()
 
 
 def test_the_time_is_ticks_over_rate():
-    stage = floor().stage
-    stage.step_to(5)
-    assert stage.time_s == pytest.approx(5 / stage.ticks.rate_hz)
-    stage.step_to(3)
-    assert stage.tick == 5
+    physics = floor().physics
+    physics.step_to(5)
+    assert physics.time_s == pytest.approx(5 / physics.ticks.rate_hz)
+    physics.step_to(3)
+    assert physics.tick == 5
 
 
 @pytest.mark.parametrize("build", [Build(1.5, 50.0), Build(1.5, 100.0), Build(1.95, 50.0), Build(1.95, 100.0)], ids=str)
@@ -168,4 +168,4 @@ def test_extreme_builds_stand_still(build):
     standing = Floor([anatomy(build)], 3.0).run(2.0)
     assert not standing.fell
     assert standing.pelvis_errors()[-1] == pytest.approx(0.0, abs=0.02)
-    assert np.abs(standing.stage.data.qvel).max() < 0.02  # a stiff joint on a soft floor must not quiver
+    assert np.abs(standing.physics.data.qvel).max() < 0.02  # a stiff joint on a soft floor must not quiver

@@ -24,40 +24,40 @@ def world(*faults, robot=True):
     return PhysicsWorld(config, timetable(config), place, robot=robot)
 
 
-def advance(stage, until_s):
-    while stage.time_s < until_s:
-        stage.advance(until_s)
+def advance(physics, until_s):
+    while physics.time_s < until_s:
+        physics.advance(until_s)
 
 
-def starts(stage, dancer):
-    return [cue.t_s for cue in stage.cues if cue.dancer == dancer]
+def starts(physics, dancer):
+    return [cue.t_s for cue in physics.cues if cue.dancer == dancer]
 
 
 def test_advance_goes_from_turn_to_turn_and_never_beyond_the_time_asked():
-    stage = world()
-    tick_s = 1 / stage.stage.ticks.rate_hz
-    assert stage.time_s == 0.0
-    while stage.time_s < 0.3:
-        before = stage.time_s
-        stage.advance(0.3)
-        assert before < stage.time_s <= min(before + 3.5 * tick_s, 0.3 + tick_s)
-    assert stage.advance(stage.time_s) == []
+    physics = world()
+    tick_s = 1 / physics.physics.ticks.rate_hz
+    assert physics.time_s == 0.0
+    while physics.time_s < 0.3:
+        before = physics.time_s
+        physics.advance(0.3)
+        assert before < physics.time_s <= min(before + 3.5 * tick_s, 0.3 + tick_s)
+    assert physics.advance(physics.time_s) == []
 
 
 def test_a_clock_exchange_is_answered_on_the_devices_clock():
-    stage = world()
-    advance(stage, 0.1)
-    reply = stage.deliver(stage.time_s, stage.time_s - 0.001, SyncRequest("west", 0.05))
+    physics = world()
+    advance(physics, 0.1)
+    reply = physics.deliver(physics.time_s, physics.time_s - 0.001, SyncRequest("west", 0.05))
     assert (reply.sensor, reply.t_server_send_s) == ("west", 0.05)
     assert reply.t_device_send_s - reply.t_device_receive_s == pytest.approx(0.001, rel=1e-3)
-    assert abs(reply.t_device_send_s - stage.time_s) > 1e-3
+    assert abs(reply.t_device_send_s - physics.time_s) > 1e-3
 
 
 def test_a_dead_sensor_says_nothing_and_the_others_go_on():
-    stage = world(FaultConfig("dead_sensor", "south", 0.0))
+    physics = world(FaultConfig("dead_sensor", "south", 0.0))
     heard = set()
-    while stage.time_s < 0.5:
-        heard |= {m.sensor for m in stage.advance(0.5) if isinstance(m, ClientStatus)}
+    while physics.time_s < 0.5:
+        heard |= {m.sensor for m in physics.advance(0.5) if isinstance(m, ClientStatus)}
     assert heard == {"north", "west", "east"}
 
 
@@ -73,10 +73,10 @@ def test_late_and_stopping_dancers_perform_other_cues_than_they_were_given():
 
 
 def test_without_a_robot_there_is_no_odometry():
-    stage = world(robot=False)
-    advance(stage, 0.2)
-    assert stage.ledger.odometry() == {}
-    assert stage.ledger.truth()["t_s"].size > 0
+    physics = world(robot=False)
+    advance(physics, 0.2)
+    assert physics.recorder.odometry() == {}
+    assert physics.recorder.truth()["t_s"].size > 0
 
 
 def test_what_dancers_feel_of_the_robot_is_its_distance_from_their_mean():
@@ -97,10 +97,10 @@ def test_every_move_is_planned_when_it_is_due_and_not_before(monkeypatch):
         extend(planner, cues, now_s)
 
     monkeypatch.setattr(Planner, "extend", watched)
-    stage = world()
-    advance(stage, 14.0)
+    physics = world()
+    advance(physics, 14.0)
     assert len(told) >= 3 * 3
-    assert {cue.t_s for _, cue in told} == {cue.t_s for cue in stage.cues if cue.t_s <= 14.0 + PREVIEW_S}
+    assert {cue.t_s for _, cue in told} == {cue.t_s for cue in physics.cues if cue.t_s <= 14.0 + PREVIEW_S}
     for now_s, cue in told:
         due_s = max(0.0, cue.t_s - PREVIEW_S)
-        assert due_s - 1e-9 <= now_s < due_s + 1.5 / CONFIG.stage.balance_hz
+        assert due_s - 1e-9 <= now_s < due_s + 1.5 / CONFIG.physics.balance_hz

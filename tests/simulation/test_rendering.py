@@ -21,7 +21,7 @@ def world():
 @pytest.fixture(scope="module")
 def renderer(world):
     try:
-        with Renderer(world[0].stage, 160, 90, world[1], fine=False) as found:
+        with Renderer(world[0].physics, 160, 90, world[1], fine=False) as found:
             yield found
     except RenderError as error:
         pytest.skip(str(error))
@@ -42,17 +42,17 @@ def test_the_active_sensor_is_lit(renderer):
 
 
 def test_looking_changes_nothing(world, renderer):
-    before = world[0].stage.data.qpos.copy(), world[0].stage.data.time
+    before = world[0].physics.data.qpos.copy(), world[0].physics.data.time
     renderer.frame()
-    assert np.array_equal(world[0].stage.data.qpos, before[0])
-    assert world[0].stage.data.time == before[1]
+    assert np.array_equal(world[0].physics.data.qpos, before[0])
+    assert world[0].physics.data.time == before[1]
 
 
 def test_unknown_cameras_and_sizes_are_refused(world, renderer):
     with pytest.raises(RenderError, match="known are room"):
         renderer.frame("attic")
     with pytest.raises(RenderError, match="not allowed"):
-        Renderer(world[0].stage, 8, 8)
+        Renderer(world[0].physics, 8, 8)
 
 
 def test_without_opengl_the_package_is_named(world, monkeypatch):
@@ -63,7 +63,7 @@ def test_without_opengl_the_package_is_named(world, monkeypatch):
 
     monkeypatch.setattr(mujoco, "Renderer", missing)
     with pytest.raises(RenderError, match="libegl1"):
-        Renderer(world[0].stage)
+        Renderer(world[0].physics)
 
 
 def test_captions_are_drawn_over_the_picture():

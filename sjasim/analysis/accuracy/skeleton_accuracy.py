@@ -38,7 +38,7 @@ GROUPS["trunk"] = ~np.any(list(GROUPS.values()), axis=0)
 
 
 @dataclass(frozen=True, slots=True)
-class Sighting:
+class JointObservation:
     """One dancer before one sensor, for as long as it was the active one: N frames.
 
     Attributes:
@@ -58,7 +58,7 @@ class Sighting:
     hands: IntArray
 
 
-def sightings(log: SessionLog) -> list[Sighting]:
+def sightings(log: SessionLog) -> list[JointObservation]:
     """Everybody before every sensor that was active in a session; frames that it did not take are left out.
 
     Args:
@@ -78,7 +78,9 @@ def sightings(log: SessionLog) -> list[Sighting]:
             here = np.flatnonzero(taken & (since == sensor))
             seen, true = log.skeletons[here, dancer], log.joints[here, dancer]
             state = np.nan_to_num(seen[..., 3]).astype(np.int64)
-            found.append(Sighting(config.sensing, seen[..., :3] - true, state, row[here], trunk[here], hands[here]))
+            found.append(
+                JointObservation(config.sensing, seen[..., :3] - true, state, row[here], trunk[here], hands[here])
+            )
     return found
 
 
@@ -100,9 +102,9 @@ def _band(share: Array) -> IntArray:
     return np.where(share >= 1.0, 0, np.where(share > 0.0, 1, 2)).astype(np.int64)
 
 
-def joint_rows(found: Iterable[Sighting]) -> list[dict[str, Any]]:
+def joint_rows(found: Iterable[JointObservation]) -> list[dict[str, Any]]:
     """Figures of every sensing route, group of joints, row and occlusion band; ``all`` sums over one."""
-    routes: dict[str, list[Sighting]] = {}
+    routes: dict[str, list[JointObservation]] = {}
     for one in found:
         routes.setdefault(one.sensing, []).append(one)
     cells = itertools.product(sorted(routes), (ALL, *sorted(GROUPS)), (ALL, *ROWS), (ALL, *BANDS))
@@ -110,7 +112,7 @@ def joint_rows(found: Iterable[Sighting]) -> list[dict[str, Any]]:
     return [dict(zip(names, cell, strict=True)) | figures(routes[cell[0]], *cell[1:]) for cell in cells]
 
 
-def figures(found: Sequence[Sighting], group: str = ALL, row: str = ALL, band: str = ALL) -> dict[str, Any]:
+def figures(found: Sequence[JointObservation], group: str = ALL, row: str = ALL, band: str = ALL) -> dict[str, Any]:
     """Of one route's sightings, of one cell of the card; null where it has nothing to go by.
 
     Returns:
@@ -136,7 +138,7 @@ def figures(found: Sequence[Sighting], group: str = ALL, row: str = ALL, band: s
     return _summed(*(np.concatenate(part) for part in parts))
 
 
-def _kept(one: Sighting, joint: int, row: str, band: str) -> BoolArray:
+def _kept(one: JointObservation, joint: int, row: str, band: str) -> BoolArray:
     """(N,) the frames of a cell."""
     bands = one.hands if GROUPS["arms"][joint] else one.trunk
     kept = np.ones(len(one.state), dtype=bool)

@@ -14,7 +14,7 @@ from ...core.errors import ConfigError, RecordError
 from ...humans.timing.parameters import TimingParameters
 from ...record.event_table import read_event_table
 from ...record.session_folder import read_summary
-from .timing_fit import Performances, TimingFit, fit_performances
+from .timing_fit import TappingTrials, TimingFit, fit_performances
 from .trials import joined, performances
 
 
@@ -41,14 +41,14 @@ def fit_timing(
     return fit_performances(gather([Path(path) for path in paths], dance, music), coupling=coupling, noise=noise)
 
 
-def gather(paths: Sequence[Path], dance: DanceConfig | None, music: bool) -> Performances:
-    """Performances of all the files, each a session or more of its own; arguments as in `fit_timing`."""
+def gather(paths: Sequence[Path], dance: DanceConfig | None, music: bool) -> TappingTrials:
+    """TappingTrials of all the files, each a session or more of its own; arguments as in `fit_timing`."""
     if not paths:
         raise ConfigError("paths", (), "one event table or session's folder at least")
     return joined([_read(path, dance, music) for path in paths])
 
 
-def _read(path: Path, dance: DanceConfig | None, music: bool) -> Performances:
+def _read(path: Path, dance: DanceConfig | None, music: bool) -> TappingTrials:
     config = SessionConfig()
     if path.is_dir():
         plain = read_summary(path)["config"]

@@ -49,7 +49,7 @@ class FitError(SjasimError):
 
 
 @dataclass(frozen=True, slots=True)
-class Performances:
+class TappingTrials:
     """What groups did, ready to be fitted.
 
     Attributes:
@@ -117,7 +117,7 @@ class TimingFit:
             raise FitError(f"the fit makes no group that can dance: {error.field} wants {error.allowed}") from error
 
 
-def fit_performances(data: Performances, *, coupling: str = "one", noise: str = "one") -> TimingFit:
+def fit_performances(data: TappingTrials, *, coupling: str = "one", noise: str = "one") -> TimingFit:
     """Fit the human timing model.
 
     Args:
@@ -155,7 +155,7 @@ def fit_performances(data: Performances, *, coupling: str = "one", noise: str = 
 class _Model:
     """The likelihood of performances over a vector of parameters, in units of the typical deviation."""
 
-    data: Performances
+    data: TappingTrials
     matrix: bool
     each: bool
     _late: Array = field(init=False)
@@ -308,7 +308,7 @@ class _Model:
         return {"lapse": Estimate(share, float(max(low, 0.0)), float(high))}
 
 
-def _values(estimates: Mapping[str, Estimate], data: Performances, model: _Model) -> dict[str, Any]:
+def _values(estimates: Mapping[str, Estimate], data: TappingTrials, model: _Model) -> dict[str, Any]:
     """The estimates as fields of `TimingParameters`."""
     values = {name: estimate.value for name, estimate in estimates.items()}
     plain: dict[str, Any] = {name: value for name, value in values.items() if "[" not in name}
@@ -346,7 +346,7 @@ def _doubts(fit: TimingFit, model: _Model, vector: Array, ends: Array) -> tuple[
     return tuple(said)
 
 
-def _about(data: Performances) -> str:
+def _about(data: TappingTrials) -> str:
     sessions = len(set(data.session.tolist()))
     time = "about the music" if data.music else "in free time"
     told = f"performances: {len(data.late_s)}, sessions: {sessions}, dancers: {', '.join(data.agents)}"

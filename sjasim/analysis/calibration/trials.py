@@ -13,7 +13,7 @@ from ...choreography.score import Choreography, Timetable
 from ...core import ROBOT, Array, Kind
 from ...core.session_log import TableEvent, natural_order
 from ...humans.timing.parameters import LARGEST_GROUP
-from .timing_fit import FitError, Performances, mean_seen
+from .timing_fit import FitError, TappingTrials, mean_seen
 
 FARTHEST_S = 2.0
 """Beyond this median distance from the score a table's times are not on the dance's clock."""
@@ -32,7 +32,7 @@ Trials = dict[tuple[str, int], dict[str, list[TableEvent]]]
 """(session, iteration) -> agent -> events."""
 
 
-def performances(events: Sequence[TableEvent], timetable: Timetable | None) -> Performances:
+def performances(events: Sequence[TableEvent], timetable: Timetable | None) -> TappingTrials:
     """Arrange the dancers' events by step of the dance or, in free time, by what happened together.
 
     Early events and the robot's are left aside, and dancers' turns where the dance is known, for they follow the clap.
@@ -68,7 +68,7 @@ def performances(events: Sequence[TableEvent], timetable: Timetable | None) -> P
             "give the dance's own options (dance.bpm, dance.lead_in_s, ...), or fit in free time"
         )
     told = sum(len(found) for trial in trials.values() for found in trial.values())
-    return Performances(
+    return TappingTrials(
         agents=_agents(casts),
         late_s=late_s,
         session=np.array([names.index(session) for session, _ in trials]),
@@ -79,8 +79,8 @@ def performances(events: Sequence[TableEvent], timetable: Timetable | None) -> P
     )
 
 
-def joined(parts: Sequence[Performances]) -> Performances:
-    """Performances of several tables as those of several sessions.
+def joined(parts: Sequence[TappingTrials]) -> TappingTrials:
+    """TappingTrials of several tables as those of several sessions.
 
     Raises:
         FitError: they are of groups of different sizes, or of different dances.

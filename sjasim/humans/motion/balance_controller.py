@@ -1,4 +1,4 @@
-"""Balance: small corrections to the planned joint targets that keep a dancer on its feet; all dancers in one call.
+"""BalanceController control: small corrections to the planned joint targets that keep a dancer on its feet; all dancers in one call.
 
 The error of the divergent component of motion moves the pressure under the standing feet (ankles) and the next
 foothold (hips of the swinging leg); pitch, roll and yaw errors go to the hips.
@@ -18,7 +18,7 @@ from numba import njit
 
 from ...assets.names import ACTUATED_INDEX, LEG_JOINTS
 from ...core import Array, IntArray, Servos
-from .reference_trajectory import ANKLES, DCM, JOINTS, LANDING, PELVIS, TORQUE, YAW, Reference
+from .reference_trajectory import ANKLES, DCM, JOINTS, LANDING, PELVIS, TORQUE, YAW, ReferenceTrajectory
 from .reference_trajectory import WEIGHT as WEIGHT_LEFT
 
 _LEGS = np.array([[ACTUATED_INDEX[f"{joint}_{side}"] for joint in LEG_JOINTS] for side in "LR"])
@@ -202,7 +202,7 @@ def correct(
         tick: which one.
         rate: of the ticks [Hz].
         until: (D,) how many rows are planned.
-        plan: (D, T, 67) rows of `Reference`.
+        plan: (D, T, 67) rows of `ReferenceTrajectory`.
         felt: (D, 36) rows of `types.DancerStates`.
         servo: (D, 58) the actuators, see `STIFFNESS`.
         gain: (12,) `BalanceGains`.
@@ -213,7 +213,7 @@ def correct(
         _correct(d, tick, until[d], rate, plan, felt, servo, gain, shift, targets)
 
 
-class Balance:
+class BalanceController:
     """Turns the reference and the felt state into actuator targets, tick by tick.
 
     Args:
@@ -232,7 +232,12 @@ class Balance:
     """
 
     def __init__(
-        self, reference: Reference, omega: Array, rate_hz: int, servos: Servos, gains: BalanceGains | None = None
+        self,
+        reference: ReferenceTrajectory,
+        omega: Array,
+        rate_hz: int,
+        servos: Servos,
+        gains: BalanceGains | None = None,
     ) -> None:
         s, dancers = servos, len(omega)
         servo = np.column_stack([s.stiffness, s.lead, s.root_lead, s.weight, s.leg, omega])

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from ...core import Array
-from .reference_trajectory import Reference
+from .reference_trajectory import ReferenceTrajectory
 from .speed_profile import SpeedProfile, smooth
 
 STEP_S = 0.50
@@ -105,7 +105,13 @@ class Feet:
     """
 
     def __init__(
-        self, slot: Array, heading_rad: float, hip_m: float, ankle_m: float, times: Array, reference: Reference
+        self,
+        slot: Array,
+        heading_rad: float,
+        hip_m: float,
+        ankle_m: float,
+        times: Array,
+        reference: ReferenceTrajectory,
     ) -> None:
         self._hip_m = hip_m
         self._ankle_m = ankle_m

@@ -22,7 +22,7 @@ from ..body.anatomy import Anatomy
 from ..body.inverse_dynamics import hinge_torques, masses
 from ..body.kinematics import com_offsets, legs
 from . import arms, footsteps
-from .reference_trajectory import Reference
+from .reference_trajectory import ReferenceTrajectory
 from .speed_profile import SHORTEST_S, SpeedProfile, smooth, speed_profile
 
 GRAVITY = 9.81
@@ -128,7 +128,7 @@ class Planner:
         move_m: float,
         turn_rad: float,
         rate_hz: int,
-        reference: Reference,
+        reference: ReferenceTrajectory,
     ) -> None:
         self._anatomy = anatomy
         self._chains = anatomy.chains()

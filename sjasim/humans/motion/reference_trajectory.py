@@ -13,7 +13,7 @@ JOINTS, PELVIS, YAW, DCM, WEIGHT, ANKLES, FOOT_YAW, LANDING, TORQUE, WIDTH = 0, 
 
 
 @dataclass(frozen=True, slots=True)
-class Reference:
+class ReferenceTrajectory:
     """Motion of one dancer (T rows) or of all (D, T rows).
 
     Whoever reads one tick of everything reads ``rows``, where it lies together; all else are views of these.
@@ -46,12 +46,12 @@ class Reference:
     until: IntArray
 
     @classmethod
-    def empty(cls, dancers: int, ticks: int) -> Reference:
+    def empty(cls, dancers: int, ticks: int) -> ReferenceTrajectory:
         """All zero, with a leading axis for the dancers; its memory is touched here, not while people dance."""
         return cls._over(np.full((dancers, ticks, WIDTH), 0.0), np.zeros(dancers, dtype=np.int64))
 
     @classmethod
-    def _over(cls, rows: Array, until: IntArray) -> Reference:
+    def _over(cls, rows: Array, until: IntArray) -> ReferenceTrajectory:
         ticks = rows.shape[:-1]
         return cls(
             rows=rows,
@@ -67,6 +67,6 @@ class Reference:
             until=until,
         )
 
-    def of(self, dancer: int) -> Reference:
+    def of(self, dancer: int) -> ReferenceTrajectory:
         """One dancer's rows, as views: writing to them writes to all."""
-        return Reference._over(self.rows[dancer], self.until[dancer : dancer + 1])
+        return ReferenceTrajectory._over(self.rows[dancer], self.until[dancer : dancer + 1])

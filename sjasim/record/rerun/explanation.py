@@ -1,4 +1,4 @@
-"""What a recording shows beside the log, each figure with its time; `analysis.insight` finds them."""
+"""What a recording shows beside the log, each figure with its time; `analysis.delay_breakdown` finds them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ network; the method; from command to motion. Without a followed dancer all but t
 
 
 @dataclass(frozen=True, slots=True)
-class StepStory:
+class StepDelay:
     """One step of the robot: when it moved, when the group did, and where the difference arose.
 
     Attributes:
@@ -74,7 +74,7 @@ class Graph:
 
 
 @dataclass(frozen=True, slots=True)
-class Insight:
+class DelayReport:
     """Everything beside the log.
 
     Attributes:
@@ -85,7 +85,7 @@ class Insight:
     """
 
     graphs: tuple[Graph, ...] = ()
-    steps: tuple[StepStory, ...] = ()
+    steps: tuple[StepDelay, ...] = ()
     ta: tuple[tuple[float, float], ...] = ()
     clocks: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
 
@@ -94,37 +94,37 @@ CAUSES = {
     "sensor": "the sensor's frames", "detector": "detection", "network": "the network",
     "decision": "the method's own timing", "wheels": "the robot's way from command to motion",
 }  # fmt: skip
-"""Stage -> what a sentence calls it; the dancer has a sentence of its own."""
+"""Name of a stage -> what a sentence calls it; the dancer has a sentence of its own."""
 
 LATE_S = 0.4
 """From here on a robot is called late or early: where people begin to see it (assumed)."""
 
 
-def verdict(step: StepStory) -> str:
+def verdict(step: StepDelay) -> str:
     """``on time``, ``late``, ``early`` or ``missed``."""
     if math.isnan(step.late_s):
         return "missed"
     return "on time" if abs(step.late_s) < LATE_S else "late" if step.late_s > 0 else "early"
 
 
-def told(insight: Insight) -> str:
+def told(report: DelayReport) -> str:
     """What happened, as a short text in Markdown: an iteration a line, then each one's worst step and why."""
     lines = ["| iteration | robot followed | robot's steps | GSI, full edges |", "|---|---|---|---|"]
-    for graph in insight.graphs:
-        steps = [step for step in insight.steps if step.iteration == graph.iteration]
+    for graph in report.graphs:
+        steps = [step for step in report.steps if step.iteration == graph.iteration]
         counts = {word: sum(verdict(step) == word for step in steps) for word in ("on time", "late", "early", "missed")}
         said = ", ".join(f"{count} {word}" for word, count in counts.items() if count) or "no robot"
         whom = graph.follows or ("nobody in particular" if steps else "-")
         lines.append(f"| {graph.iteration} | {whom} | {said} | {graph.gsi_full_edges:.2f} |")
     lines.append("")
-    for graph in insight.graphs:
-        off = [s for s in insight.steps if s.iteration == graph.iteration and verdict(s) in ("late", "early")]
+    for graph in report.graphs:
+        off = [s for s in report.steps if s.iteration == graph.iteration and verdict(s) in ("late", "early")]
         lines += [f"- {explained(step)}" for step in sorted(off, key=lambda step: -abs(step.late_s))[:1]]
-    lines += [f"- {explained(step)}" for step in insight.steps if verdict(step) == "missed"][:2]
+    lines += [f"- {explained(step)}" for step in report.steps if verdict(step) == "missed"][:2]
     return "\n".join(lines)
 
 
-def explained(step: StepStory) -> str:
+def explained(step: StepDelay) -> str:
     """One step in a sentence: how late, and the stage that explains most of it."""
     name = step.kind.value.replace("_", " ")
     if verdict(step) == "missed":

@@ -9,7 +9,7 @@ import rerun as rr
 
 from ...config import SessionConfig
 from ...core.session_log import SessionLog
-from .explanation import Insight
+from .explanation import DelayReport
 from .recording import APPLICATION, Recorder, blueprint
 from .scene import Span
 from .viewer import start
@@ -21,7 +21,7 @@ SETTLED_S = 1.5
 """So long after they happened all events have arrived."""
 
 
-class Live:
+class LiveView:
     """Opens a viewer on this machine and feeds it as the session goes on.
 
     Args:
@@ -50,10 +50,10 @@ class Live:
             self._due_s += BLOCK_S
             self._send(log(), now - SETTLED_S)
 
-    def finish(self, log: SessionLog, insight: Insight) -> None:
+    def finish(self, log: SessionLog, report: DelayReport) -> None:
         """Send the rest, and what can be said now that the session is over."""
         self._send(log, float("inf"))
-        self._recorder.finish(insight)
+        self._recorder.finish(report)
         self._stream.flush()
 
     def close(self) -> None:

@@ -26,7 +26,7 @@ from ...config.toml_file import from_plain
 from ...core import dancer_name
 from ...core.errors import RecordError
 from ...core.session_log import SessionLog
-from .explanation import Insight
+from .explanation import DelayReport
 from .scene import (
     TIMELINE,
     Pen,
@@ -38,23 +38,23 @@ from .scene import (
     send_sensors,
     send_tethers,
 )
-from .timeline import fix_lanes, lane_names, send_insight, send_lanes, send_texts
+from .timeline import fix_lanes, lane_names, send_lanes, send_report, send_texts
 
 APPLICATION = "sjasim"
 
 
-def save(log: SessionLog, path: Path, insight: Insight | None = None) -> None:
+def save(log: SessionLog, path: Path, report: DelayReport | None = None) -> None:
     """Write a session's recording.
 
     Args:
         log: the session; its ``joints`` and ``skeletons`` may be None.
         path: the .rrd file.
-        insight: what follows from the log; without it lanes and scene alone are written.
+        report: what follows from the log; without it lanes and scene alone are written.
     """
-    save_all({"": (log, insight)}, path)
+    save_all({"": (log, report)}, path)
 
 
-def save_all(sessions: Mapping[str, tuple[SessionLog, Insight | None]], path: Path) -> None:
+def save_all(sessions: Mapping[str, tuple[SessionLog, DelayReport | None]], path: Path) -> None:
     """Write several sessions into one recording, on one time axis.
 
     Args:
@@ -70,11 +70,11 @@ def save_all(sessions: Mapping[str, tuple[SessionLog, Insight | None]], path: Pa
     with_depth = any(log.depth for log, _ in sessions.values())
     stream.save(path, default_blueprint=blueprint(configs, with_depth))
     try:
-        for prefix, (log, insight) in sessions.items():
+        for prefix, (log, report) in sessions.items():
             recorder = Recorder(stream, configs[prefix], prefix)
             recorder.send(log)
-            if insight is not None:
-                recorder.finish(insight)
+            if report is not None:
+                recorder.finish(report)
         stream.flush()
     except RuntimeError as error:
         raise RecordError(f"{path.name} cannot be written ({error}): is the disk full?") from None
@@ -109,9 +109,9 @@ class Recorder:
         send_texts(self._pen, log, span)
         send_depth(self._pen, log, span)
 
-    def finish(self, insight: Insight) -> None:
+    def finish(self, report: DelayReport) -> None:
         """Send what can be said once the session is over."""
-        send_insight(self._pen, insight, self._config)
+        send_report(self._pen, report, self._config)
 
 
 def blueprint(configs: Mapping[str, SessionConfig], with_depth: bool = False) -> rrb.Blueprint:

@@ -12,7 +12,7 @@ from ...choreography.timetable import timetable
 from ...config import SessionConfig
 from ...core import ROBOT, Kind, Move, dancer_name
 from ...core.session_log import SessionLog
-from .explanation import STAGES, Graph, Insight, told, verdict
+from .explanation import STAGES, DelayReport, Graph, told, verdict
 from .scene import AMBER, GREEN, GREY, RED, Pen, Span
 
 BLUE, ORANGE, PURPLE, SKY = (0, 114, 178), (213, 94, 0), (204, 121, 167), (86, 180, 233)
@@ -108,43 +108,43 @@ def fix_lanes(pen: Pen, config: SessionConfig) -> None:
         pen.fixed(f"lanes/{name}", style)
 
 
-def send_insight(pen: Pen, insight: Insight, config: SessionConfig) -> None:
+def send_report(pen: Pen, report: DelayReport, config: SessionConfig) -> None:
     """Whom the robot followed, how late it was, curves, graphs and the story in words."""
     table = timetable(config)
     follows = [
         (table.start_s(graph.iteration), table.close_s(graph.iteration), graph.follows or "nobody")
-        for graph in insight.graphs
+        for graph in report.graphs
         if ROBOT in graph.agents
     ]
     send_lane(pen, "robot/follows", follows, Span())
     timing: list[Mark] = []
-    for step in insight.steps:
+    for step in report.steps:
         ends = sorted((step.t_s, step.robot_s)) if np.isfinite(step.robot_s) else [step.t_s, step.t_s + 1.0]
         timing.append((ends[0], max(ends[1], ends[0] + 0.15), verdict(step)))
     send_lane(pen, "robot/timing", timing, Span())
-    send_curves(pen, insight)
+    send_curves(pen, report)
     fix_graph(pen)
-    for graph in insight.graphs:
+    for graph in report.graphs:
         send_graph(pen, graph)
-    pen.fixed("story", rr.TextDocument(told(insight), media_type=rr.MediaType.MARKDOWN))
+    pen.fixed("story", rr.TextDocument(told(report), media_type=rr.MediaType.MARKDOWN))
 
 
-def send_curves(pen: Pen, insight: Insight) -> None:
+def send_curves(pen: Pen, report: DelayReport) -> None:
     """Indices by iteration, timing and its parts by step, clock errors by event."""
     curves: dict[str, tuple[list[float], list[float]]] = {}
-    for graph in insight.graphs:
+    for graph in report.graphs:
         for name in ("gsi", "gsi_full_edges", "gsi_truth"):
             _add(curves, f"group/{name}", graph.t_s, getattr(graph, name))
         for i, first in enumerate(graph.agents):
             for j in range(i + 1, len(graph.agents)):
                 _add(curves, f"pairs/{first}-{graph.agents[j]}", graph.t_s, float(graph.pairs[i, j]))
-    for step in insight.steps:
+    for step in report.steps:
         _add(curves, "delay/total", step.t_s, step.late_s)
         for stage, part in zip(STAGES, step.parts_s, strict=True):
             _add(curves, f"delay/{stage}", step.t_s, part)
-    for t_s, value in sorted(insight.ta):
+    for t_s, value in sorted(report.ta):
         _add(curves, "timing/appropriateness", t_s, value)
-    for sensor, (times, errors) in insight.clocks.items():
+    for sensor, (times, errors) in report.clocks.items():
         for t_s, error in zip(times, errors, strict=True):
             _add(curves, f"clocks/{sensor}", float(t_s), float(error) * 1e3)
     palette = ((165, 165, 165), (60, 150, 220), ORANGE, (0, 158, 115), PURPLE, (230, 159, 0), SKY)

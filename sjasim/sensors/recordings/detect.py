@@ -13,7 +13,7 @@ from ...config import DetectorConfig
 from ...core import INFERRED, NOT_TRACKED, TRACKED, Array, Kind, RecordedJoints, SkeletonFrame, Skeletons
 from ...core.errors import RecordError
 from ..events.detectors import Detectors
-from .interpolation import BRIDGE_S, SMOOTH_S, mended
+from .interpolation import BRIDGE_S, SMOOTH_S
 from .validation import check_units
 
 
@@ -21,7 +21,7 @@ class Detected(NamedTuple):
     """An event of a recording.
 
     Attributes:
-        t_s: time of the frame that shows it; never back-dated. In a mended recording frames a little later have their
+        t_s: time of the frame that shows it; never back-dated. In a preprocess recording frames a little later have their
             part in what it shows.
         person: as the recording names them.
         kind: what happened.
@@ -67,7 +67,9 @@ def detect_events(
         RecordError: shapes do not fit together, times do not rise, a state is not a code, or units cannot be right.
         ConfigError: ``bridge_s`` or ``smooth_s`` is out of range.
     """
-    return events_of(mended(recording(t_s, joints_m, state, persons), bridge_s, smooth_s), config or DetectorConfig())
+    return events_of(
+        preprocess(recording(t_s, joints_m, state, persons), bridge_s, smooth_s), config or DetectorConfig()
+    )
 
 
 def recording(

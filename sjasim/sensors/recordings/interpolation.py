@@ -1,7 +1,7 @@
-"""Recorded joints made fit for the detectors: short gaps bridged, the trunk's jitter smoothed.
+"""Recorded joints made fit for the detectors: short gaps interpolate_gaps, the trunk's jitter gaussian_smooth.
 
 Both look at the frames on either side, which a recording has and a live sensor has not; simulated sensors never pass
-here. The arms are not smoothed: a clap is brief, and jitter does not hide it.
+here. The arms are not gaussian_smooth: a clap is brief, and jitter does not hide it.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from ...config.checks import within
 from ...core import NOT_TRACKED, Array, BoolArray, IntArray, RecordedJoints
 
 BRIDGE_S = 0.2
-"""Longest gap of a joint that is bridged: a blink of the tracker, shorter than any move (assumed)."""
+"""Longest gap of a joint that is interpolate_gaps: a blink of the tracker, shorter than any move (assumed)."""
 
 SMOOTH_S = 0.3
-"""Width over which trunks are smoothed: on generated recordings with jitter of 1 cm it leaves no false event, and moves
+"""Width over which trunks are gaussian_smooth: on generated recordings with jitter of 1 cm it leaves no false event, and moves
 the times of clean ones by less than 10 ms."""
 
 _ARM = ("Elbow", "Wrist", "Hand", "Thumb")
@@ -29,21 +29,21 @@ _ROUNDING_S = 1e-6
 States = NDArray[np.int8]
 
 
-def mended(recording: RecordedJoints, bridge_s: float = BRIDGE_S, smooth_s: float = SMOOTH_S) -> RecordedJoints:
-    """A recording whose short gaps are bridged and whose trunks are smoothed; 0 leaves the one or the other out.
+def preprocess(recording: RecordedJoints, bridge_s: float = BRIDGE_S, smooth_s: float = SMOOTH_S) -> RecordedJoints:
+    """A recording whose short gaps are interpolate_gaps and whose trunks are gaussian_smooth; 0 leaves the one or the other out.
 
     Raises:
         ConfigError: a time is negative or longer than 2 s.
     """
     within("bridge_s", bridge_s, 0.0, 2.0)
     within("smooth_s", smooth_s, 0.0, 2.0)
-    joints, state = bridged(recording.t_s, recording.joints_m, recording.state, bridge_s)
+    joints, state = interpolate_gaps(recording.t_s, recording.joints_m, recording.state, bridge_s)
     joints = joints.copy()
-    joints[:, :, _STEADY] = smoothed(recording.t_s, joints[:, :, _STEADY], smooth_s)
+    joints[:, :, _STEADY] = gaussian_smooth(recording.t_s, joints[:, :, _STEADY], smooth_s)
     return recording._replace(joints_m=joints, state=state)
 
 
-def bridged(t_s: Array, joints_m: Array, state: States, longest_s: float) -> tuple[Array, States]:
+def interpolate_gaps(t_s: Array, joints_m: Array, state: States, longest_s: float) -> tuple[Array, States]:
     """Lead every joint straight across its short gaps.
 
     Args:
@@ -53,7 +53,7 @@ def bridged(t_s: Array, joints_m: Array, state: States, longest_s: float) -> tup
         longest_s: longest time between the two frames that know a joint; 0 bridges nothing.
 
     Returns:
-        joints and states; a bridged joint has the lower state of the two frames that it was led between. Longer gaps,
+        joints and states; a interpolate_gaps joint has the lower state of the two frames that it was led between. Longer gaps,
         and those at the beginning and the end, stay.
     """
     if not longest_s > 0.0 or not len(t_s):
@@ -81,7 +81,7 @@ def _nearest_known(known: BoolArray) -> tuple[IntArray, IntArray]:
     return before, after
 
 
-def smoothed(t_s: Array, joints_m: Array, width_s: float) -> Array:
+def gaussian_smooth(t_s: Array, joints_m: Array, width_s: float) -> Array:
     """Weighted means of the frames around each: a bell whose standard deviation is a quarter of its width.
 
     Args:

@@ -55,7 +55,7 @@ def check_units(recording: RecordedJoints) -> None:
         )
 
 
-def doubts(recording: RecordedJoints) -> list[str]:
+def quality_warnings(recording: RecordedJoints) -> list[str]:
     """What keeps events of a recording from being found, or from being true: a line each, in words.
 
     Args:
@@ -71,14 +71,14 @@ def doubts(recording: RecordedJoints) -> list[str]:
         own = recording.joints_m[frames, row]
         for doubt in (*_missing(known[frames, row], recording.state[frames, row]), *_astray(own)):
             said.append(f"person {person}: {doubt}")
-        unrest_m_s = unrest(recording.t_s[frames], own[:, _BASE, 2])
+        unrest_m_s = standing_speed_noise(recording.t_s[frames], own[:, _BASE, 2])
         if unrest_m_s > UNREST_M_S:
             told = "starts and stops may be missed or invented: smooth more (--smooth-s), or raise --detectors.on-m-s"
             said.append(f"person {person}: SpineBase strays at {unrest_m_s:.2f} m/s while in place; {told}")
     return said
 
 
-def unrest(t_s: Array, depth_m: Array) -> float:
+def standing_speed_noise(t_s: Array, depth_m: Array) -> float:
     """Standard deviation of the speed of somebody who stays in place [m/s], by jitter or small movements.
 
     Args:

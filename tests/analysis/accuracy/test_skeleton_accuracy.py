@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sjasim.analysis.accuracy.skeleton_accuracy import ASTRAY_M, GROUPS, Sighting, figures, joint_rows
+from sjasim.analysis.accuracy.skeleton_accuracy import ASTRAY_M, GROUPS, JointObservation, figures, joint_rows
 from sjasim.assets.names import JOINT_INDEX
 from sjasim.core import INFERRED, NOT_TRACKED, TRACKED
 
@@ -20,7 +20,9 @@ def sighting(bias_m=0.02, drift_m=0.01, correlation=0.95, row=0, trunk=0):
     error = bias_m * rng.choice([-1.0, 1.0], (25, 3)) + drift_m * drift
     everywhere = np.zeros(FRAMES, dtype=np.int64)
     state = np.full((FRAMES, 25), TRACKED)
-    return Sighting("depth", error.astype(np.float32), state, everywhere + row, everywhere + trunk, everywhere + 2)
+    return JointObservation(
+        "depth", error.astype(np.float32), state, everywhere + row, everywhere + trunk, everywhere + 2
+    )
 
 
 def test_every_joint_belongs_to_one_group():

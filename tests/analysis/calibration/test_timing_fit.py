@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sjasim.analysis.calibration.kalman_likelihood import Noise, PhaseFilter, log_mixture
-from sjasim.analysis.calibration.timing_fit import FitError, Performances, fit_performances
+from sjasim.analysis.calibration.timing_fit import FitError, TappingTrials, fit_performances
 from sjasim.analysis.calibration.trials import phrases
 from sjasim.choreography.paper import paper
 from sjasim.choreography.score import Timetable
@@ -25,7 +25,7 @@ TABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)
 STEPS = TABLE.choreography.steps()
 
 
-def danced(p: TimingParameters, sessions: int, dancers: int, seed: int) -> Performances:
+def danced(p: TimingParameters, sessions: int, dancers: int, seed: int) -> TappingTrials:
     """Five iterations of as many groups as asked for, by the model itself, lapses and order rule and all."""
     rows = []
     for session in range(sessions):
@@ -43,7 +43,7 @@ def danced(p: TimingParameters, sessions: int, dancers: int, seed: int) -> Perfo
                 free[dancer] = max(cue.t_s + cue.duration_s for cue in own) + 0.7
             rows.append(late)
     names = tuple(f"dancer_{k + 1}" for k in range(dancers))
-    return Performances(names, np.array(rows), np.repeat(np.arange(sessions), 5), True, phrases(TABLE.choreography))
+    return TappingTrials(names, np.array(rows), np.repeat(np.arange(sessions), 5), True, phrases(TABLE.choreography))
 
 
 def missed(fit, p: TimingParameters, wide: float = 1.0) -> dict[str, tuple[float, float, float, float]]:
@@ -162,7 +162,7 @@ def test_in_free_time_only_what_divides_the_dancers_counts():
     rows = np.array(rows)
     rows[rng.random(rows.shape) < 0.1] = np.nan
     late = rows - np.nanmean(rows, axis=1, keepdims=True)
-    fit = fit_performances(Performances(("a", "b", "c"), late[None], np.zeros(1, dtype=int), False))
+    fit = fit_performances(TappingTrials(("a", "b", "c"), late[None], np.zeros(1, dtype=int), False))
     for name, value in (("timekeeper_s", 0.03), ("motor_s", 0.01), ("coupling", 0.15)):
         assert fit.estimates[name].low <= value <= fit.estimates[name].high, name
     assert fit.estimates["timekeeper_s"].value == pytest.approx(0.03, rel=0.15)

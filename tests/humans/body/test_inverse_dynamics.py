@@ -13,13 +13,13 @@ from sjasim.humans.body.anatomy import Build, anatomy
 from sjasim.humans.body.inverse_dynamics import hinge_torques, masses
 from sjasim.humans.body.mjcf import dancer_spec
 from sjasim.humans.motion.planner import Planner
-from sjasim.humans.motion.reference_trajectory import Reference
+from sjasim.humans.motion.reference_trajectory import ReferenceTrajectory
 
 from ..dancing import HZ, NORTH, at_rest, walk_cue
 
 
 def planned(body):
-    reference = Reference.empty(1, 6 * HZ).of(0)
+    reference = ReferenceTrajectory.empty(1, 6 * HZ).of(0)
     planner = Planner(body, np.zeros(2), NORTH, 0.5, NORTH, HZ, reference)
     planner.extend([walk_cue(Move.FORWARD, 2.0, 1.5)], 0.0)
     return at_rest(reference)

@@ -9,7 +9,7 @@ import pytest
 
 from sjasim.humans.body.anatomy import Build, anatomy
 from sjasim.humans.motion.footsteps import SHIFT_S, Feet, easing, pelvis_height, turn, walk
-from sjasim.humans.motion.reference_trajectory import Reference
+from sjasim.humans.motion.reference_trajectory import ReferenceTrajectory
 from sjasim.humans.motion.speed_profile import smooth, speed_profile
 
 DT = 1 / 60
@@ -18,7 +18,7 @@ BODY = anatomy(Build())
 
 def feet(seconds: float = 14.0, heading: float = np.pi / 2):
     ticks = round(seconds / DT)
-    reference = Reference.empty(1, ticks).of(0)
+    reference = ReferenceTrajectory.empty(1, ticks).of(0)
     reference.until[:] = ticks
     return Feet(np.zeros(2), heading, BODY.hip_m, BODY.ankle_m, np.arange(ticks) * DT, reference)
 

@@ -11,7 +11,7 @@ from sjasim.core.errors import ConfigError
 from sjasim.humans.body.anatomy import Build, anatomy
 from sjasim.humans.body.kinematics import joint_positions
 from sjasim.humans.motion.planner import PREVIEW_S, Planner, _pendulum
-from sjasim.humans.motion.reference_trajectory import Reference
+from sjasim.humans.motion.reference_trajectory import ReferenceTrajectory
 
 from ..dancing import HZ, NORTH, at_rest, builds, walk_cue
 
@@ -23,11 +23,11 @@ class Plan:
 
     def __init__(self, body=None, seconds: float = 22.0) -> None:
         self.body = body or anatomy(Build())
-        self._reference = Reference.empty(1, round(seconds * HZ)).of(0)
+        self._reference = ReferenceTrajectory.empty(1, round(seconds * HZ)).of(0)
         self.planner = Planner(self.body, np.zeros(2), NORTH, 0.5, NORTH, HZ, self._reference)
 
     @property
-    def reference(self) -> Reference:
+    def reference(self) -> ReferenceTrajectory:
         """The plan, at rest in every row that is not planned yet."""
         return at_rest(self._reference)
 

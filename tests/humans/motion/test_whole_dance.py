@@ -35,7 +35,7 @@ def test_the_tether_hardly_helps():
 
 def test_feet_carry_the_weight():
     floor = danced()
-    share = floor.column("loads").mean(axis=0) / floor.stage.servos.weight
+    share = floor.column("loads").mean(axis=0) / floor.physics.servos.weight
     assert share.min() >= 0.99
 
 
@@ -67,8 +67,8 @@ def test_a_sideways_push_fells_nobody(walking):
         floor.plan(dancer, cues, 0.0)
     floor.run(1.8)
     for dancer in range(3):
-        floor.stage.push(dancer, np.array([100.0 * (-1) ** dancer, 0.0, 0.0]))
+        floor.physics.push(dancer, np.array([100.0 * (-1) ** dancer, 0.0, 0.0]))
         floor.run(0.2)
-        floor.stage.push(dancer, np.zeros(3))
+        floor.physics.push(dancer, np.zeros(3))
         floor.run(0.15)
     assert not floor.run(5.5 - floor.tick / HZ).fell

@@ -6,12 +6,12 @@ import itertools
 import numpy as np
 import pytest
 
-from sjasim.analysis.delay_breakdown import insight
+from sjasim.analysis.delay_breakdown import delay_report
 from sjasim.assets.names import JOINTS
 from sjasim.config.toml_file import from_plain
 from sjasim.core import TRACKED
 from sjasim.core.session_log import Handover
-from sjasim.record.rerun.explanation import Insight
+from sjasim.record.rerun.explanation import DelayReport
 from sjasim.record.rerun.timeline import NOTHING, lane_names
 
 from ...analysis.synthetic import session
@@ -39,7 +39,7 @@ def log():
 @pytest.fixture(scope="module")
 def path(log, tmp_path_factory):
     target = tmp_path_factory.mktemp("rrd") / "session.rrd"
-    recording.save(log, target, insight(log))
+    recording.save(log, target, delay_report(log))
     return target
 
 
@@ -115,12 +115,12 @@ def test_every_view_has_data_at_three_times(rows, path, log):
 
 def test_humans_only_and_empty_sessions_are_recorded_too(tmp_path):
     alone = session(method="none", robot=False, iterations=1, joints=False)
-    recording.save(alone, tmp_path / "a.rrd", insight(alone))
+    recording.save(alone, tmp_path / "a.rrd", delay_report(alone))
     found = {entity for entity, _ in chunks(tmp_path / "a.rrd")}
     assert "/world/dancer_1/name" in found
     assert "/world/robot" not in found
     bare = dataclasses.replace(alone, truth={}, events=(), cues=(), decisions=(), notices=())
-    recording.save(bare, tmp_path / "b.rrd", Insight())
+    recording.save(bare, tmp_path / "b.rrd", DelayReport())
     assert "/lanes/iteration" in {entity for entity, _ in chunks(tmp_path / "b.rrd")}
 
 

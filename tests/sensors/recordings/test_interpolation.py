@@ -1,4 +1,4 @@
-"""Recordings with a laboratory's flaws: what is bridged, what is smoothed, what the detectors then find."""
+"""Recordings with a laboratory's flaws: what is interpolate_gaps, what is gaussian_smooth, what the detectors then find."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import pytest
 import sjasim
 from sjasim.core import Kind
 from sjasim.core.errors import ConfigError
-from sjasim.sensors.recordings.interpolation import bridged, smoothed
 
 from .scripted_recordings import Flaws, judged, record
 
@@ -27,22 +26,22 @@ def test_short_gaps_are_led_straight_across_and_long_ones_stay():
     times = np.array([0.0, 0.1, 0.15, 0.2, 0.5, 0.6])
     joints, state = track([0.0, np.nan, 3.0, np.nan, 5.0, np.nan])
     state[2] = 1
-    found, codes = bridged(times, joints, state, 0.2)
+    found, codes = interpolate_gaps(times, joints, state, 0.2)
     assert found[:, 0, 0, 0] == pytest.approx([0.0, 2.0, 3.0, np.nan, 5.0, np.nan], nan_ok=True)
     assert codes[:, 0, 0].tolist() == [2, 1, 1, 0, 2, 0]
     assert np.isnan(joints[1]).all()  # the caller's own are left alone
-    assert bridged(times, joints, state, 0.0)[1] is state
+    assert interpolate_gaps(times, joints, state, 0.0)[1] is state
 
 
 def test_smoothing_keeps_lines_and_unknown_joints_and_calms_jitter():
     times = np.arange(0.0, 4.0, 1 / 30)
     line = 0.3 * times
     line[40] = np.nan
-    assert smoothed(times, track(line)[0], 0.3)[10:30, 0, 0, 0] == pytest.approx(line[10:30])
-    assert np.isnan(smoothed(times, track(line)[0], 0.3)[40]).all()
+    assert gaussian_smooth(times, track(line)[0], 0.3)[10:30, 0, 0, 0] == pytest.approx(line[10:30])
+    assert np.isnan(gaussian_smooth(times, track(line)[0], 0.3)[40]).all()
     noise = track(0.01 * np.random.default_rng(0).standard_normal(len(times)))[0]
-    assert smoothed(times, noise, 0.3)[10:-10].std() < 0.5 * noise.std()
-    assert np.array_equal(smoothed(times, noise, 0.0), noise)
+    assert gaussian_smooth(times, noise, 0.3)[10:-10].std() < 0.5 * noise.std()
+    assert np.array_equal(gaussian_smooth(times, noise, 0.0), noise)
 
 
 @pytest.mark.parametrize("lost_joints", [0.01, 0.05, 0.1])
