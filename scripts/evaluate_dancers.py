@@ -20,7 +20,7 @@ from rich.table import Table
 from sjasim.config import BodyConfig
 from sjasim.simulation.motion_trials import FULL_RANGE, collision, count_falls_after_push, dance, figures, timed_moves
 
-FREE = BodyConfig(FULL_RANGE.model, FULL_RANGE.stature_m, FULL_RANGE.mass_kg, tether="none")
+FREE = BodyConfig(FULL_RANGE.model, FULL_RANGE.stature_m, FULL_RANGE.mass_kg, balance_support="none")
 PUSH_NS = 20.0
 SIDES = {"ahead": 0.0, "the left": math.pi / 2, "behind": math.pi, "the right": -math.pi / 2}
 MOVES_S = (0.8, 2.0, 3.0)

@@ -84,8 +84,8 @@ def fitted(outcomes: Sequence[Outcome]) -> dict[str, float]:
         "drift_correlation": correlation,
         "limb_drift_m": limb_drift,
         "limb_drift_correlation": limb_correlation,
-        "hidden_factor": hidden["torso"] / float(np.hypot(bias, drift)),
-        "hidden_factor_hand": hidden["arms"] / float(np.hypot(bias, limb_drift)),
+        "occluded_factor": hidden["torso"] / float(np.hypot(bias, drift)),
+        "occluded_factor_hand": hidden["arms"] / float(np.hypot(bias, limb_drift)),
     }
 
 

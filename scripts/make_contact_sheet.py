@@ -36,7 +36,7 @@ def row(name: str, seed: int) -> list[tuple[str, np.ndarray]]:
         dance=DanceConfig(name=name, rehearsal=False),
     )  # fmt: skip
     trial = OpenLoopWorld(config, robot=True)
-    mounts = layout(config.layout, config.group, config.room, config.sensors).mounts
+    mounts = layout(config).mounts
     camera = Renderer(trial.physics, *PANEL, mounts)
     cues = [cue for cue in trial.cues if cue.dancer == "dancer_1"]
     chosen = [cues[0], cues[1], *cues[-2:]]

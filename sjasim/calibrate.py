@@ -16,7 +16,7 @@ from rich.table import Table
 
 from .commands.options import counted, main, parse
 from .config import DanceConfig
-from .view import check_file
+from .record.atomic_folder import check_file
 
 if TYPE_CHECKING:
     from .analysis.calibration.timing_fit import TimingFit

@@ -18,7 +18,7 @@ from .commands.options import config_from, main, parse
 from .config import SessionConfig
 from .config.toml_file import to_plain
 from .core.errors import ConfigError
-from .record.atomic_folder import check_target, whole
+from .record.atomic_folder import atomic_folder, check_target
 
 ABOUT = "How well joints are found, starts, stops and claps detected, and the robot obeys, over several sessions."
 
@@ -62,11 +62,11 @@ class Options:
             if not values or len(set(values)) < len(values):
                 raise ConfigError(name, values, "one or more different names")
         seeds = range(self.session.seed, self.session.seed + self.sessions)
-        room = self.session.room
+        room = self.session.scene
         own = "custom" in self.layouts  # which alone has the room's slots; without it they are refused
         rooms = {name: replace(room, slots_m=()) if own and name != "custom" else room for name in self.layouts}
         return [
-            replace(self.session, sensing=sensing, layout=layout, seed=seed, room=rooms[layout])
+            replace(self.session, sensing=sensing, layout=layout, seed=seed, scene=rooms[layout])
             for sensing, layout, seed in itertools.product(self.sensings, self.layouts, seeds)
         ]
 
@@ -83,7 +83,7 @@ def command(arguments: Sequence[str]) -> None:
     card = characterise(designs)
     text = json.dumps(card, indent=1, allow_nan=False) + "\n"
     if options.out is not None:
-        with whole(check_target(options.out, options.overwrite, holds=FILE), options.overwrite) as draft:
+        with atomic_folder(check_target(options.out, options.overwrite, holds=FILE), options.overwrite) as draft:
             (draft / FILE).write_text(text, encoding="utf-8")
             (draft / PAGE).write_text(page(card), encoding="utf-8")
         sys.stderr.write(f"kept in {options.out}\n")
@@ -113,7 +113,7 @@ def check(design: SessionConfig) -> None:
     from .core.registry import resolve
 
     resolve("sensing", design.sensing)
-    layout(design.layout, design.group, design.room, design.sensors)
+    layout(design)
 
 
 def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:
@@ -139,7 +139,7 @@ def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:
             seen += skeleton_accuracy.sightings(log)
             found += detection_accuracy.outcomes(log)
             done += detection_accuracy.executions(log)
-            minutes[design.sensing] += design.group * log.cost["sim_s"] / 60.0
+            minutes[design.sensing] += design.dancers * log.cost["sim_s"] / 60.0
     return {
         "schema": 1,
         "seed": designs[0].seed,

@@ -18,7 +18,8 @@ from .commands.options import counted, main, parse
 from .config import DetectorConfig
 from .core.errors import ConfigError
 from .sensors.recordings.detect import Detected, events_of, recording
-from .sensors.recordings.interpolation import BRIDGE_S, SMOOTH_S
+from .sensors.recordings.interpolation import BRIDGE_S, SMOOTH_S, preprocess
+from .sensors.recordings.validation import quality_warnings
 
 ABOUT = (
     "Starts, stops and claps in recorded joints (CSV or Parquet), as an event table (CSV) that sjasim.calibrate takes: "

@@ -11,7 +11,7 @@ import tyro
 
 from .commands.options import main, parse
 from .core.errors import RecordError
-from .view import check_file
+from .record.atomic_folder import check_file
 
 ABOUT = "A session's folder as MCAP (ROS 2 messages: Foxglove, rosbags) or as CSV tables."
 

@@ -105,8 +105,8 @@ def check(options: Options) -> None:
 
         check_target(options.out, options.overwrite)
     if options.video is not None:
+        from .record.atomic_folder import check_file
         from .simulation.video import check_writer
-        from .view import check_file
 
         if options.video.suffix != ".mp4":
             raise ConfigError("video", str(options.video), "a file whose name ends in .mp4")
@@ -117,7 +117,7 @@ def check(options: Options) -> None:
 
         check_plots(options.plots, options.overwrite)
     if options.view:
-        from .view import check_display
+        from .record.rerun.viewer import check_display
 
         check_display("keep the session with --out DIR, and look at it elsewhere")
 
@@ -212,12 +212,12 @@ def shown(summary: Mapping[str, Any], options: Options) -> None:
 
 def dance(config: SessionConfig, audience: SessionObservers | None = None) -> SessionLog:
     """Run the session, and say on stderr how far it is."""
-    from .commands.compile_listener import told
+    from .commands.compile_listener import on_compile
     from .session.session import run_session
 
     watched = {} if audience is None else {"prepare": audience.prepare}
     dancing = f"dancing ({config.method}, {config.sensing} sensing, seed {config.seed})"
-    with progress_reporter(dancing) as signs, told(signs.compiling):
+    with progress_reporter(dancing) as signs, on_compile(signs.compiling):
         return run_session(config, signs.dancing, **watched)
 
 
@@ -246,7 +246,7 @@ def title(summary: Mapping[str, Any]) -> str:
     parts = [summary["method"], f"seed {summary['seed']}", f"{summary['humans']} dancers"]
     if config["dance"]["name"] != SessionConfig().dance.name:
         parts.append(config["dance"]["name"])
-    own = (name for name in ("sensing", "layout", "group") if config[name] != usual[name])
+    own = (name for name in ("sensing", "layout", "dancers") if config[name] != usual[name])
     return ", ".join([*parts, *(f"{name} {config[name]}" for name in own)])
 
 

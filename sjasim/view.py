@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -16,6 +15,7 @@ from .choreography.timetable import timetable
 from .commands.options import main, parse
 from .config.toml_file import from_plain
 from .core.errors import ConfigError, RecordError
+from .record.atomic_folder import check_file
 
 ABOUT = "Open a session's folder in rerun's viewer; two folders stand side by side on one time axis."
 
@@ -50,6 +50,8 @@ def command(arguments: Sequence[str]) -> None:
     folders = [options.folder, *([options.other] if options.other else [])]
     check_moment(options, [read_summary(folder) for folder in folders])
     if picture is None:
+        from .record.rerun.viewer import check_display
+
         check_display("a picture needs none: --screenshot FILE.png")
     else:
         check_file(picture, options.overwrite)
@@ -113,28 +115,6 @@ def prepared(folders: Sequence[Path], place: Path) -> tuple[Path, float]:
     prefixes = names if len(names) > 1 else [""]
     save_all({prefix: (log, delay_report(log)) for prefix, log in zip(prefixes, logs, strict=True)}, place / RECORDING)
     return place / RECORDING, moment
-
-
-def check_display(instead: str) -> None:
-    """Make sure that a window can be opened.
-
-    Raises:
-        RecordError: there is no display; ``instead`` says what to do.
-    """
-    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise RecordError(f"there is no display for rerun's viewer; {instead}")
-
-
-def check_file(path: Path, overwrite: bool) -> None:
-    """Make sure that a file can be written and nothing is lost by it.
-
-    Raises:
-        RecordError: it exists and may not be replaced, or its place does not take files.
-    """
-    if path.exists() and not overwrite:
-        raise RecordError(f"{path} exists: name another file, or allow it with --overwrite")
-    if not path.absolute().parent.is_dir() or path.is_dir():
-        raise RecordError(f"{path} cannot be written: its folder does not exist")
 
 
 def _open(recording: Path, bind: str) -> None:

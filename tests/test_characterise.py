@@ -92,9 +92,9 @@ def test_a_tiny_run_leaves_numbers_and_a_page(tmp_path, capsys):
 
 
 def test_own_slots_are_those_of_the_custom_layout():
-    common = SessionConfig(room=SceneConfig(slots_m=((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))))
+    common = SessionConfig(scene=SceneConfig(slots_m=((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))))
     designs = characterise.Options(common, sessions=2, layouts=("rows", "custom"), sensings=("joints",)).designs()
-    assert [(one.layout, one.seed, len(one.room.slots_m)) for one in designs] == [
+    assert [(one.layout, one.seed, len(one.scene.slots_m)) for one in designs] == [
         ("rows", 0, 0), ("rows", 1, 0), ("custom", 0, 4), ("custom", 1, 4),
     ]  # fmt: skip
 
@@ -111,7 +111,7 @@ def test_own_slots_are_those_of_the_custom_layout():
         (("--sensing", "joints"), "here --sensings names those of all sessions"),
         (("--sensing=depth",), "--sensings"),
         (("--layout", "rows"), "here --layouts names those of all sessions"),
-        (("--room.slots-m", "0", "1", "1", "0"), "only with layout custom"),
+        (("--scene.slots-m", "0", "1", "1", "0"), "only with layout custom"),
     ],
 )
 def test_bad_input_is_one_line(capsys, arguments, words):

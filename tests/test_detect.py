@@ -14,6 +14,7 @@ from sjasim import calibrate, detect
 from sjasim.assets.names import JOINT_INDEX, JOINTS
 from sjasim.commands.options import main
 from sjasim.sensors.recordings.detect import recording
+from sjasim.sensors.recordings.validation import quality_warnings
 
 from .sensors.recordings.scripted_recordings import Flaws, record
 

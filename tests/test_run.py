@@ -82,10 +82,10 @@ def test_the_table_says_which_sum_it_has_and_what_is_unusual(danced, capsys):
     assert "sia, seed 0, paper-entrainment dancers" in out
     assert re.search(r"│ +mean .* \d+ in all │", out)
     usual = {"method": "eca", "seed": 1, "humans": "novices"}
-    config = SessionConfig(sensing="joints", group=5, layout="rows", dance=DanceConfig(name="march"))
+    config = SessionConfig(sensing="joints", dancers=5, layout="rows", dance=DanceConfig(name="march"))
     assert run.title({**usual, "config": to_plain(SessionConfig())}) == "eca, seed 1, novices dancers"
     assert run.title({**usual, "config": to_plain(config)}) == (
-        "eca, seed 1, novices dancers, march, sensing joints, layout rows, group 5"
+        "eca, seed 1, novices dancers, march, sensing joints, layout rows, dancers 5"
     )
 
 

@@ -26,6 +26,7 @@ from sjasim.core.method_io import MethodAction, MethodContext
 from sjasim.humans.body.mjcf import body_model
 from sjasim.session.session import Session
 from sjasim.simulation.cast import people
+from sjasim.simulation.physics_world import physics_of
 from sjasim.simulation.rendering import Renderer
 from sjasim.simulation.viewer_window import ViewerWindow
 
@@ -122,7 +123,7 @@ class _Dance(gym.Env[Any, Any]):
             people(self.config, timetable(self.config))
             body_model(self.config.body.model)
             steps = timetable(self.config).choreography.steps()
-            mounts = layout(self.config.layout, self.config.group, self.config.room, self.config.sensors).mounts
+            mounts = layout(self.config).mounts
         except SjasimError as problem:
             raise error.Error(str(problem)) from problem
         self._observer = Observer(self.config, len(steps), tuple(mount.name for mount in mounts))
@@ -170,7 +171,7 @@ class _Dance(gym.Env[Any, Any]):
             self._steps = math.ceil(self._session.timetable.close_s(0) * self._hz)
             self._session.advance(self._steps / self._hz)
         self._over = False
-        self._scorer = Scorer(self._session, self._weights)
+        self._scorer = Scorer(self._session, physics_of(self._session).physics, self._weights)
         self._observer.reset(self._session)
         if self.render_mode == "human":
             self.render()
@@ -204,7 +205,7 @@ class _Dance(gym.Env[Any, Any]):
         if self.render_mode is None:
             gym.logger.warn("render() without a render_mode: gymnasium.make(..., render_mode='rgb_array')")
             return None
-        physics = self.session.world.physics
+        physics = physics_of(self.session).physics
         try:
             if self._pictures is None:
                 self._pictures = (

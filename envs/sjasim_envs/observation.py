@@ -41,7 +41,7 @@ def parts(config: SessionConfig, steps: int, clients: int) -> dict[str, tuple[tu
     speed, yaw = config.robot.max_speed_m_s, config.robot.max_yaw_rate_rad_s
     command = [1.0, 1.0, 1.0, 1.0, OLDEST_S, speed, yaw]
     robot = [REACH_M, REACH_M, math.pi, 2 * speed, 2 * yaw, OLDEST_S]
-    dancers = config.group
+    dancers = config.dancers
     bounds: dict[str, tuple[tuple[int, ...], object, object]] = {
         "beat": ((1 + 2 * len(PERIODS),), EARLIEST, -EARLIEST),
         "client": ((clients,), 0.0, 1.0),

@@ -10,6 +10,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AsyncVectorEnv
 
+from sjasim.simulation.physics_world import physics_of
 from sjasim.simulation.profiling import Bare, Meter, instrument
 
 OPTIONS: dict[str, Any] = {"iterations": 1, "dance": {"rehearsal": False}, "sensing": "joints"}
@@ -38,7 +39,7 @@ def profile_env() -> dict[str, Any]:
     """
     env: Any = _begun()
     session = env.unwrapped.session
-    physics, count = session.world.physics, int(session.end_s * 30)
+    physics, count = physics_of(session).physics, int(session.end_s * 30)
     start = (physics.data.qpos.copy(), physics.data.qvel.copy())
     controls = instrument(Meter(), session)
     actions = _danced(env, count)
@@ -56,7 +57,7 @@ def _begun() -> gym.Env[Any, Any]:
 
 def _turns(env: Any, bare: Bare, actions: list[int]) -> list[tuple[float, float]]:
     """CPU time of environment and bare physics, turn by turn [s]."""
-    physics, spent_s = env.unwrapped.session.world.physics, []
+    physics, spent_s = physics_of(env.unwrapped.session).physics, []
     for done in range(0, len(actions), TURN_STEPS):
         begin = time.process_time()
         for action in actions[done : done + TURN_STEPS]:

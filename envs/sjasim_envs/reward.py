@@ -17,6 +17,7 @@ from sjasim.anticipation.timing_appropriateness import ideal_times
 from sjasim.core import Array, Event, Kind
 from sjasim.core.session_log import AgentEvent
 from sjasim.session.session import Session
+from sjasim.simulation.physics import Physics
 
 NOTHING = dict.fromkeys([f"reward_{term}" for term in ("timing", "missed", "spurious", "collision", "drift")], 0.0)
 """What a step earns in which nothing happens, by the names that ``info`` uses."""
@@ -81,11 +82,13 @@ class Scorer:
 
     Attributes:
         session: what is judged.
+        physics: its bodies.
         config: the weights.
         terms: what the last step earned, named as in `NOTHING`.
     """
 
     session: Session
+    physics: Physics
     config: RewardConfig
     terms: dict[str, float] = field(default_factory=NOTHING.copy)
     _told: int = 0
@@ -196,7 +199,7 @@ class Scorer:
 
     def _look(self, now: float, interval_s: float) -> None:
         """Judge where the robot is, and whom it touches."""
-        config, physics = self.config, self.session.world.physics
+        config, physics = self.config, self.physics
         if physics.contacts.bumped():
             self.terms["reward_collision"] -= config.collision * interval_s
         if now > self._until_s:
@@ -205,7 +208,7 @@ class Scorer:
         x, y = x - self._slot[0], y - self._slot[1]
         cos, sin = self._ahead
         ahead, aside = x * cos + y * sin, y * cos - x * sin
-        beyond = ahead - min(max(ahead, 0.0), self.session.config.room.move_m)
+        beyond = ahead - min(max(ahead, 0.0), self.session.config.dance.step_m)
         outside = min(math.hypot(beyond, aside) - config.lane_m, config.worst_m)
         if outside > 0.0:
             self.terms["reward_drift"] -= config.drift * outside * interval_s

@@ -122,7 +122,7 @@ def detector_quality(logged: Sequence[Event], true: Sequence[AgentEvent]) -> Det
 
 def mean_delay_s(network: NetworkConfig) -> float:
     """How long an event takes to the server on average [s]."""
-    return network.latency_s + network.jitter_s + network.uplink_extra_s
+    return network.latency_s + network.jitter_s + network.uplink_asymmetry_s
 
 
 def sent_times(events: Sequence[Event], device_events: Sequence[tuple[DeviceEvent, float]], delay_s: float) -> Array:
@@ -186,7 +186,7 @@ def robot_quality(
     executed = int(np.isfinite([gap for _, gap in gaps]).sum())
     distance, turned = float("nan"), float("nan")
     if odometry and len(odometry["t_s"]):
-        slot = layout(config.layout, config.group, config.room, config.sensors).robot
+        slot = layout(config).robot
         distance = float(np.hypot(odometry["true_x_m"][-1] - slot[0], odometry["true_y_m"][-1] - slot[1]))
         wanted_rad = timetable.heading_rad(timetable.last + 1)
         turned = float(np.remainder(odometry["true_heading_rad"][-1] - wanted_rad + np.pi, 2 * np.pi) - np.pi)

@@ -62,7 +62,7 @@ def group_metrics(
         followed: whom the method followed.
         until: the last iteration that is measured; that of the timetable if None.
     """
-    cast = [dancer_name(index) for index in range(config.group)]
+    cast = [dancer_name(index) for index in range(config.dancers)]
     agents = cast if config.method == "none" else [*cast, ROBOT]
     tau, one_to_one = config.synchrony.tau_s, config.synchrony.one_to_one
     before = None

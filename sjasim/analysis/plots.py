@@ -91,7 +91,7 @@ def raster(log: SessionLog, config: SessionConfig, iteration: int | None = None)
     """Everybody's events in one iteration, the last by default: planned moves, true onsets, what was logged."""
     table = timetable(config)
     number = table.last if iteration is None else iteration
-    agents = [dancer_name(index) for index in range(config.group)] + ([] if config.method == "none" else [ROBOT])
+    agents = [dancer_name(index) for index in range(config.dancers)] + ([] if config.method == "none" else [ROBOT])
     figure = _figure(9.0, 1.6 + 0.75 * len(agents))
     axes = figure.add_subplot()
     rows = {agent: len(agents) - 1 - place for place, agent in enumerate(agents)}

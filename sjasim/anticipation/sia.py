@@ -42,29 +42,26 @@ class SiaConfig:
         clap_wait_s: a turn waits so long past its scheduled time for the dancer's clap, which nothing announces
             (assumed: iqbal2016 excludes claps from the early events and does not say what replaces one); as long as
             the window it ends beyond the iteration's own.
-        effective_from: first iteration in which a dancer is followed; before it the schedule is ECA's.
+        first_followed_iteration: first iteration in which a dancer is followed; before it the schedule is ECA's.
         lead_s: how long before a scheduled time a command is sent; larger makes unfollowed moves earlier.
         epsilon_s: as in ECA.
-        tau_s: window of the synchrony measure that chooses the dancer.
         edges: the robot's outgoing edges while it follows nobody: ``none`` or ``all`` (`Sia.follows`).
     """
 
     window_s: float = 2.0
     clap_wait_s: float = 1.0
-    effective_from: int = 2
+    first_followed_iteration: int = 2
     lead_s: float = LEAD_S
     epsilon_s: float = EPSILON_S
-    tau_s: float = 0.25
     edges: str = "none"
 
     def __post_init__(self) -> None:
         for name, value, low in (
             ("window_s", self.window_s, 0.05),
             ("clap_wait_s", self.clap_wait_s, 0.0),
-            ("effective_from", self.effective_from, 1),
+            ("first_followed_iteration", self.first_followed_iteration, 1),
             ("lead_s", self.lead_s, -2.0),
             ("epsilon_s", self.epsilon_s, 0.0),
-            ("tau_s", self.tau_s, 0.001),
         ):
             if not low <= value <= 64:
                 raise ConfigError(f"sia.{name}", value, f"a number from {low:g} to 64")
@@ -116,8 +113,8 @@ class Sia(ScheduledMethod):
         self._hurried: dict[int, float] = {}
 
     def follows(self, iteration: int) -> tuple[str, ...] | None:
-        """The dancer chosen when the last iteration closed; before `SiaConfig.effective_from` nobody, or everyone."""
-        if iteration >= self._config.effective_from and iteration - 1 in self._chosen:
+        """The dancer chosen when the last iteration closed; before `SiaConfig.first_followed_iteration` nobody, or everyone."""
+        if iteration >= self._config.first_followed_iteration and iteration - 1 in self._chosen:
             return (self._chosen[iteration - 1],)
         return () if self._config.edges == "none" else None
 
@@ -147,7 +144,7 @@ class Sia(ScheduledMethod):
     def _schedule(self, iteration: int) -> Sequence[MethodAction]:
         self._choose(iteration - 1)
         intentions = scheduled(self._brief, self._history, iteration, self._config.lead_s)
-        if iteration < self._config.effective_from:
+        if iteration < self._config.first_followed_iteration:
             return intentions
         self._leader = self._chosen[iteration - 1]
         own = self._history.times(iteration - 1)[self._brief.cast.index(self._leader)]
@@ -216,7 +213,7 @@ class Sia(ScheduledMethod):
 
     def _choose(self, iteration: int) -> None:
         series = self._history.series(iteration)
-        choice = most_synchronous(series, self._before, self._config.tau_s)
+        choice = most_synchronous(series, self._before, self._brief.tau_s)
         self._chosen[iteration] = choice.person
         if any(kinds for _, kinds in series.values()):
             self._before = choice.person

@@ -9,12 +9,14 @@ import signal
 import sys
 import threading
 import traceback
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 import tyro
 
 from ..config import SessionConfig
+from ..config.renamed_fields import present_name, renamed_message
 from ..config.toml_file import read_toml
 from ..core.errors import HookError, SjasimError
 
@@ -44,6 +46,7 @@ def main(command: Callable[[Sequence[str]], None], arguments: Sequence[str] | No
         0 when done, 2 after one line on stderr when the input was bad (and the traceback of a user's own code that
         failed), 130 on Ctrl-C.
     """
+    warnings.showwarning = _warn
     try:
         with terminable():
             command(list(sys.argv[1:] if arguments is None else arguments))
@@ -56,6 +59,18 @@ def main(command: Callable[[Sequence[str]], None], arguments: Sequence[str] | No
         sys.stderr.write("interrupted\n")
         return INTERRUPTED
     return DONE
+
+
+def _warn(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: object = None,
+    line: str | None = None,
+) -> None:
+    """Show a warning to a user as one line."""
+    sys.stderr.write(f"warning: {message}\n")
 
 
 @contextlib.contextmanager
@@ -89,6 +104,7 @@ def parse(options: type[T], arguments: Sequence[str], default: T | None, program
         UsageError: an argument is unknown or malformed; one line says which.
         ConfigError: a value is out of range.
     """
+    arguments = present_flags(arguments)
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said):
@@ -104,6 +120,22 @@ def parse(options: type[T], arguments: Sequence[str], default: T | None, program
         if end.code in (0, None):
             raise
         raise UsageError(f"{_one_line(said.getvalue())} (see {program} --help)") from None
+
+
+def present_flags(arguments: Sequence[str]) -> list[str]:
+    """The same arguments with the present names of renamed flags; each former one is named on stderr."""
+    out = []
+    for word in arguments:
+        flag, equals, value = word.partition("=")
+        field = flag.removeprefix("--").replace("-", "_")
+        present = present_name(field) if flag.startswith("--") else field
+        if present == field:
+            out.append(word)
+            continue
+        present_flag = f"--{present.replace('_', '-')}"
+        sys.stderr.write(f"warning: {renamed_message(flag, present_flag)}\n")
+        out.append(present_flag + equals + value)
+    return out
 
 
 def config_from(arguments: Sequence[str]) -> SessionConfig:

@@ -1,24 +1,32 @@
-"""Configuration: one frozen dataclass per room, all gathered in `SessionConfig`.
+"""Configuration: one frozen dataclass for each room, gathered in `SessionConfig`.
 
-Every value is checked when the object is made, so a wrong one stops a session before anything is written.
-A default that no source supports says ``assumed``. To and from plain data and TOML: `config_io`.
+Every value is checked when the object is made, so that a wrong one stops a session before anything is written. A
+default that no source supports says ``assumed``. `toml_file` converts to and from plain data and TOML.
 """
 
+from .body import BodyConfig
+from .clocks import ClockConfig
+from .dance import DanceConfig
+from .detectors import DetectorConfig
 from .faults import FAULTS, FaultConfig
-from .network import ClockConfig, NetworkConfig, SynchronyConfig
+from .joint_noise import JointNoiseConfig
+from .network import NetworkConfig
+from .physics import PhysicsConfig
 from .robot import RobotConfig
-from .room import BodyConfig, DanceConfig, PhysicsConfig, SceneConfig
-from .sensing import MOST_SEEN, DetectorConfig, SensorConfig
+from .scene import SceneConfig
+from .sensors import MAX_TRACKED_PERSONS, SensorConfig
 from .session import SessionConfig
+from .synchrony import SynchronyConfig
 
 __all__ = [
     "FAULTS",
-    "MOST_SEEN",
+    "MAX_TRACKED_PERSONS",
     "BodyConfig",
     "ClockConfig",
     "DanceConfig",
     "DetectorConfig",
     "FaultConfig",
+    "JointNoiseConfig",
     "NetworkConfig",
     "PhysicsConfig",
     "RobotConfig",

@@ -23,7 +23,7 @@ class FaultConfig:
 
     Attributes:
         kind: ``dead_sensor``, ``clock_jump``, ``dancer_stops``, ``dancer_late``, ``robot_blocked`` (its wheels do not
-            turn) or ``dead_robot`` (it neither hears nor reports nor drives). Lost packets are ``network.loss``.
+            turn) or ``dead_robot`` (it neither hears nor reports nor drives). Lost packets are ``network.packet_loss``.
         target: a sensor (``north``...), a dancer (``dancer_1``...) or ``robot``.
         t_s: session time from which on.
         value: size: seconds of jump or lateness; unused otherwise.

@@ -13,7 +13,7 @@ class RobotConfig:
     """A TurtleBot 2 on a Kobuki base.
 
     Attributes:
-        track_m: distance between the wheels (Kobuki: .230 m).
+        wheel_separation_m: distance between the wheels (Kobuki: .230 m).
         wheel_radius_m: (Kobuki: .035 m).
         mass_kg: of the whole robot (TurtleBot 2: 6.3 kg).
         max_speed_m_s: (TurtleBot 2: .65 m/s).
@@ -24,15 +24,15 @@ class RobotConfig:
         turn_rate_rad_s: largest rate of a commanded turn; the gyro degrades above 110 degrees/s.
         acceleration_m_s2: limit of the velocity smoother.
         yaw_acceleration_rad_s2: the same for turning.
-        dead_time_s: between arrival of a command and the first wheel command (real bases: .16-.22 s of lag in all).
-        command_timeout_s: the base stops when nothing has been heard for so long.
+        command_latency_s: between arrival of a command and the first wheel command (real bases: .16-.22 s of lag in all).
+        cmd_timeout_s: the base stops when nothing has been heard for so long.
         wheel_radius_error: relative error of the radius that odometry believes in.
-        track_error: relative error of the track that odometry believes in.
+        wheel_separation_error: relative error of the track that odometry believes in.
         gyro_bias_rad_s: constant error of the gyro.
         gyro_noise_rad_s: standard deviation of one gyro sample.
     """
 
-    track_m: float = 0.230
+    wheel_separation_m: float = 0.230
     wheel_radius_m: float = 0.035
     mass_kg: float = 6.3
     max_speed_m_s: float = 0.65
@@ -43,15 +43,15 @@ class RobotConfig:
     turn_rate_rad_s: float = 1.6
     acceleration_m_s2: float = 1.0
     yaw_acceleration_rad_s2: float = 3.5
-    dead_time_s: float = 0.15
-    command_timeout_s: float = 0.6
+    command_latency_s: float = 0.15
+    cmd_timeout_s: float = 0.6
     wheel_radius_error: float = 0.0
-    track_error: float = 0.0
+    wheel_separation_error: float = 0.0
     gyro_bias_rad_s: float = 0.0
     gyro_noise_rad_s: float = 0.0
 
     def __post_init__(self) -> None:
-        within("robot.track_m", self.track_m, 0.1, 1.0)
+        within("robot.wheel_separation_m", self.wheel_separation_m, 0.1, 1.0)
         within("robot.wheel_radius_m", self.wheel_radius_m, 0.02, 0.2)
         within("robot.mass_kg", self.mass_kg, 2.0, 60.0)
         within("robot.max_speed_m_s", self.max_speed_m_s, 0.1, 2.0)
@@ -62,9 +62,9 @@ class RobotConfig:
         within("robot.turn_rate_rad_s", self.turn_rate_rad_s, 0.5, self.max_yaw_rate_rad_s)
         within("robot.acceleration_m_s2", self.acceleration_m_s2, 0.1, 5.0)
         within("robot.yaw_acceleration_rad_s2", self.yaw_acceleration_rad_s2, 0.5, 20.0)
-        within("robot.dead_time_s", self.dead_time_s, 0.0, 2.0)
-        within("robot.command_timeout_s", self.command_timeout_s, 0.1, 10.0)
+        within("robot.command_latency_s", self.command_latency_s, 0.0, 2.0)
+        within("robot.cmd_timeout_s", self.cmd_timeout_s, 0.1, 10.0)
         within("robot.wheel_radius_error", self.wheel_radius_error, -0.1, 0.1)
-        within("robot.track_error", self.track_error, -0.1, 0.1)
+        within("robot.wheel_separation_error", self.wheel_separation_error, -0.1, 0.1)
         within("robot.gyro_bias_rad_s", self.gyro_bias_rad_s, -0.1, 0.1)
         within("robot.gyro_noise_rad_s", self.gyro_noise_rad_s, 0.0, 0.1)

@@ -1,4 +1,4 @@
-"""One session, whole."""
+"""The whole configuration of one session."""
 
 from __future__ import annotations
 
@@ -6,56 +6,79 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from ..core.errors import ConfigError
+from .body import BodyConfig
 from .checks import one_of, within
+from .clocks import ClockConfig
+from .dance import DanceConfig
+from .detectors import DetectorConfig
 from .faults import FaultConfig
-from .network import ClockConfig, NetworkConfig, SynchronyConfig
+from .joint_noise import JointNoiseConfig
+from .network import NetworkConfig
+from .physics import PhysicsConfig
 from .robot import RobotConfig
-from .room import BodyConfig, DanceConfig, PhysicsConfig, SceneConfig
-from .sensing import MOST_SEEN, DetectorConfig, SensorConfig
+from .scene import SceneConfig
+from .sensors import MAX_TRACKED_PERSONS, SensorConfig
+from .synchrony import SynchronyConfig
 
-HELD_HZ = PhysicsConfig().rate_hz, PhysicsConfig().balance_hz
-FREE_HZ = 240, 240
-"""Rates of physics and balance with a tether and without one: who balances alone balances often. The former do not
-keep anybody upright alone, and stand for the latter there."""
+MAX_DANCERS = 8
+
+SUPPORTED_RATES_HZ = PhysicsConfig().rate_hz, PhysicsConfig().control_hz
+"""Default rates of physics and balance control for dancers with balance support."""
+
+UNSUPPORTED_RATES_HZ = 240, 240
+"""Rates that replace the default ones without balance support: at the default ones no dancer stays upright alone."""
 
 
 @dataclass(frozen=True, slots=True)
 class SessionConfig:
-    """One dance session, whole.
+    """Configuration of one session.
 
     Attributes:
-        method: anticipation method: a registered name, module:Class, or ``none`` for humans only.
-        humans: who dances: a preset of the human timing model, FILE.toml with own parameters, ``replay:FILE`` of an
-            event table or a session's folder, or module:Class.
-        fidelity: ``physics``.
-        sensing: where skeletons come from: ``depth`` (nothing but simulated depth images) or ``joints`` (the truth,
-            occluded, with errors fitted to those of ``depth``: seven to nine times as fast).
-        iterations: how many iterations are danced after the rehearsal.
+        method: anticipation method: a registered name, module:Class, or ``none`` for a session without a robot.
+        humans: when the dancers move: a preset of the human timing model, FILE.toml with own parameters,
+            ``replay:FILE`` of an event table or a session's folder, or module:Class.
+        seed: seed of everything random in the session.
+        dancers: number of dancers, up to 8; up to 6 with ``depth`` sensing.
+        sensing: source of the skeletons: ``depth`` (simulated depth images and nothing else) or ``joints`` (true
+            joints that are not occluded, with errors fitted to those of ``depth``; seven to nine times as fast).
+        iterations: number of iterations after the rehearsal.
         layout: ``square``, ``rows`` or ``custom``.
-        seed: of everything random in the session.
-        performance: names the take; "" gives every method a fresh performance by the same people.
-        group: number of dancers, up to 8; up to 6 with ``depth`` sensing.
-        method_options: options of the method, by the names of its config's fields.
-        faults: what is made to go wrong.
+        performance: name of the performance. The same seed and name give the same performance to every method; "" gives
+            every method a performance of its own by the same people.
+        fidelity: ``physics``.
+        method_options: options of the method, by the names of the fields of its configuration.
+        faults: faults to inject.
+        scene: places of dancers, robot and sensors.
+        dance: choreography and music.
+        body: bodies of the dancers.
+        physics: rates of the simulation.
+        robot: the robot's base.
+        sensors: the depth sensors.
+        joint_noise: errors of the skeletons of ``joints`` sensing.
+        detectors: thresholds of the event detectors.
+        network: delays and losses of messages.
+        clocks: errors of the sensor clients' clocks.
+        synchrony: parameters of the synchrony measures.
     """
 
     method: str = "sia"
     humans: str = "paper-entrainment"
-    fidelity: str = "physics"
+    seed: int = 0
+    dancers: int = 3
     sensing: str = "depth"
     iterations: int = 4
     layout: str = "square"
-    seed: int = 0
     performance: str = ""
-    group: int = 3
+    fidelity: str = "physics"
     method_options: Mapping[str, float | int | bool | str] = field(default_factory=dict)
     faults: tuple[FaultConfig, ...] = ()
-    room: SceneConfig = SceneConfig()
+    scene: SceneConfig = SceneConfig()
     dance: DanceConfig = DanceConfig()
     body: BodyConfig = BodyConfig()
-    stage: PhysicsConfig = PhysicsConfig()
+    physics: PhysicsConfig = PhysicsConfig()
     robot: RobotConfig = RobotConfig()
     sensors: SensorConfig = SensorConfig()
+    joint_noise: JointNoiseConfig = JointNoiseConfig()
     detectors: DetectorConfig = DetectorConfig()
     network: NetworkConfig = NetworkConfig()
     clocks: ClockConfig = ClockConfig()
@@ -66,15 +89,14 @@ class SessionConfig:
         one_of("layout", self.layout, ("square", "rows", "custom"))
         within("iterations", self.iterations, 1, 64)
         within("seed", self.seed, 0, 2**63 - 1)
-        within("group", self.group, 1, 8)
-        if self.sensing == "depth" and self.group > MOST_SEEN:
-            raise ConfigError(
-                "group",
-                self.group,
-                f"at most {MOST_SEEN} with depth sensing, which follows no more; or --sensing joints",
-            )
+        within("dancers", self.dancers, 1, MAX_DANCERS)
+        if self.sensing == "depth" and self.dancers > MAX_TRACKED_PERSONS:
+            allowed = f"at most {MAX_TRACKED_PERSONS} with depth sensing, which tracks no more; or --sensing joints"
+            raise ConfigError("dancers", self.dancers, allowed)
         if isinstance(self.seed, float):
             raise ConfigError("seed", self.seed, "a whole number")
-        if self.body.tether == "none" and (self.physics.rate_hz, self.physics.balance_hz) == HELD_HZ:
-            rate_hz, balance_hz = FREE_HZ
-            object.__setattr__(self, "stage", replace(self.physics, rate_hz=rate_hz, balance_hz=balance_hz))
+
+        rates_hz = self.physics.rate_hz, self.physics.control_hz
+        if self.body.balance_support == "none" and rates_hz == SUPPORTED_RATES_HZ:
+            rate_hz, control_hz = UNSUPPORTED_RATES_HZ
+            object.__setattr__(self, "physics", replace(self.physics, rate_hz=rate_hz, control_hz=control_hz))

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
-import json
 import tomllib
 import types
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
+import tomli_w
+
 from ..core.errors import ConfigError
 from . import SessionConfig
+from .renamed_fields import renamed_message, with_present_names
 
 WORDS = {int: "a whole number", float: "a number", bool: "true or false", str: "a string"}
 """What a field of a plain type accepts, in words."""
@@ -25,17 +28,22 @@ def to_plain(config: SessionConfig) -> dict[str, object]:
     return plain
 
 
-def from_plain(data: Mapping[str, object], base: SessionConfig | None = None) -> SessionConfig:
+def from_plain(data: Mapping[str, object], base: SessionConfig | None = None, *, warn: bool = False) -> SessionConfig:
     """Make a configuration from plain data.
 
     Args:
         data: any of `SessionConfig`'s fields, rooms as nested mappings; what is absent keeps the base's value.
         base: what absent fields are taken from; the defaults if None.
+        warn: warn of former names of fields, which are accepted.
 
     Raises:
         ConfigError: a key is unknown or a value has the wrong type or is out of range; the message names the field.
     """
-    config = _updated(base or SessionConfig(), data, "")
+    present, renamed = with_present_names(data)
+    if warn:
+        for former, name in renamed.items():
+            warnings.warn(renamed_message(former, name), FutureWarning, stacklevel=2)
+    config = _updated(base or SessionConfig(), present, "")
     assert isinstance(config, SessionConfig)
     return config
 
@@ -52,12 +60,12 @@ def read_toml(path: str | Path, base: SessionConfig | None = None) -> SessionCon
         raise ConfigError("config", str(path), f"a readable TOML file ({error.strerror or error})") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError("config", str(path), f"a TOML file ({error})") from error
-    return from_plain(data, base)
+    return from_plain(data, base, warn=True)
 
 
 def to_toml(config: SessionConfig) -> str:
     """The configuration as TOML text that `read_toml` turns back into an equal value."""
-    return "\n".join(_toml_lines(to_plain(config), "")).lstrip("\n") + "\n"
+    return tomli_w.dumps(to_plain(config))
 
 
 def _plain(value: object) -> object:
@@ -133,37 +141,3 @@ def _known(key: str, known: tuple[str, ...]) -> str:
     close = difflib.get_close_matches(key, known, n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
     return f"no such field; {hint}known are {', '.join(known)}"
-
-
-def _toml_lines(table: Mapping[str, object], path: str) -> list[str]:
-    """Lines of one table: its plain values first, then its tables, then its lists of tables."""
-    tables = {key: value for key, value in table.items() if isinstance(value, Mapping)}
-    lists = {key: value for key, value in table.items() if isinstance(value, list) and _is_tables(value)}
-    lines = [f"{_toml_key(key)} = {_toml(value)}" for key, value in table.items() if key not in {**tables, **lists}]
-    for key, inner in tables.items():
-        name = path + _toml_key(key)
-        lines += ["", f"[{name}]", *_toml_lines(inner, f"{name}.")]
-    for key, items in lists.items():
-        name = path + _toml_key(key)
-        for item in items:
-            lines += ["", f"[[{name}]]", *_toml_lines(item, f"{name}.")]
-    return lines
-
-
-def _is_tables(value: list[object]) -> bool:
-    return bool(value) and all(isinstance(item, Mapping) for item in value)
-
-
-def _toml_key(key: str) -> str:
-    bare = key.isascii() and key.replace("_", "a").replace("-", "a").isalnum()
-    return key if bare else _toml(key)
-
-
-def _toml(value: object) -> str:
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, list):
-        return f"[{', '.join(_toml(item) for item in value)}]"
-    return repr(value)

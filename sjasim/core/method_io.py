@@ -37,6 +37,7 @@ class MethodContext:
         iteration_start_s: session time of beat 0 of each iteration, index 0 being the rehearsal.
         window_end_s: session time at which each iteration's window closes, same index.
         tempo: session time of the music's beats, counted from anywhere; steady at ``beat_s`` if not given.
+        tau_s: largest time between two events of a kind that count as synchronous, as in the session's own measures.
     """
 
     cast: tuple[str, ...]
@@ -46,6 +47,7 @@ class MethodContext:
     iteration_start_s: tuple[float, ...]
     window_end_s: tuple[float, ...]
     tempo: TempoMap | None = None
+    tau_s: float = 0.25
 
     def beat(self, iteration: int, t_s: float) -> float:
         """The beat of an iteration, and fraction of one, at a session time."""

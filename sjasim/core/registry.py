@@ -25,11 +25,13 @@ ROOMS = {
     "choreography": "choreography",
     "humans": "humans.timing",
     "sensing": "sensors",
+    "world": "session",
 }
 """Kind of plug-in -> the room whose files may register one."""
 
-APART = {("body", "cmu"): "interop.cmu_humanoid"}
-"""(kind, name) -> module that registers it once it is asked for: it needs what may not be installed."""
+APART = {("body", "cmu"): "interop.cmu_humanoid", ("world", "physics"): "simulation.physics_world"}
+"""(kind, name) -> module that registers it once it is asked for: its room must not be imported
+by rooms below it, or needs what may not be installed."""
 
 
 @dataclass(frozen=True, slots=True)

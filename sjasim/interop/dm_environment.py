@@ -16,6 +16,7 @@ import mujoco
 import numpy as np
 
 from ..core.errors import SjasimError
+from ..simulation.physics_world import physics_of
 from .guard import explained
 
 try:
@@ -69,7 +70,7 @@ class DanceEnvironment(dm_env.Environment):  # type: ignore[misc]
         if self._over:
             return self.reset()
         observation, reward, self._over, _, _ = self._env.step(action)
-        physics = self._env.session.world.physics
+        physics = physics_of(self._env.session).physics
         mujoco.mj_copyData(self.physics.data.ptr, physics.model, physics.data)
         return dm_env.termination(reward, observation) if self._over else dm_env.transition(reward, observation)
 
@@ -87,7 +88,7 @@ class DanceEnvironment(dm_env.Environment):  # type: ignore[misc]
         self._env.close()
 
     def _shown(self) -> Physics:
-        physics = self._env.session.world.physics
+        physics = physics_of(self._env.session).physics
         copy = mujoco.MjData(physics.model)
         mujoco.mj_copyData(copy, physics.model, physics.data)
         try:

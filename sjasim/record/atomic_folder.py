@@ -47,8 +47,20 @@ def check_target(folder: str | Path, overwrite: bool = False, *, holds: str = "s
     return target
 
 
+def check_file(path: Path, overwrite: bool) -> None:
+    """Make sure that a file can be written and nothing is lost by it.
+
+    Raises:
+        RecordError: it exists and may not be replaced, or its place does not take files.
+    """
+    if path.exists() and not overwrite:
+        raise RecordError(f"{path} exists: name another file, or allow it with --overwrite")
+    if not path.absolute().parent.is_dir() or path.is_dir():
+        raise RecordError(f"{path} cannot be written: its folder does not exist")
+
+
 @contextmanager
-def whole(target: Path, overwrite: bool = False) -> Iterator[Path]:
+def atomic_folder(target: Path, overwrite: bool = False) -> Iterator[Path]:
     """A draft folder to write into, which becomes ``target`` when all is written, and vanishes if something fails.
 
     Args:

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..core.errors import RecordError
 from ..core.session_log import SessionLog
-from .atomic_folder import check_target, whole
+from .atomic_folder import atomic_folder, check_target
 from .parquet import COLUMN_TABLES, ROW_TYPES, read_columns, read_rows, write_columns, write_rows
 from .rerun.explanation import DelayReport
 
@@ -46,7 +46,7 @@ def write(
         RecordError: the folder cannot be written.
     """
     target = check_target(folder, overwrite)
-    with whole(target, overwrite) as draft:
+    with atomic_folder(target, overwrite) as draft:
         _write_all(log, draft, summary)
         if recording:
             from .rerun.recording import save

@@ -156,7 +156,7 @@ class BaseController:
     """Carries out move commands, one at a time; a higher number replaces a lower one after its own dead time.
 
     A copy of the one under way may carry another speed, which is taken at once. A base that hears nothing for
-    ``command_timeout_s`` during a move, or while it settles after a stop, ramps to a stop; a copy of the command that
+    ``cmd_timeout_s`` during a move, or while it settles after a stop, ramps to a stop; a copy of the command that
     arrives later lets it go on. A finished turn and a mere stop have nothing to time out.
 
     Args:
@@ -172,12 +172,12 @@ class BaseController:
 
     def __init__(self, config: RobotConfig) -> None:
         c = config
-        self._dead_time_s = c.dead_time_s
+        self._dead_time_s = c.command_latency_s
         self._waiting: deque[tuple[float, MoveCommand]] = deque()
         self._newest = self.number = 0
         self.limits = np.array([
             c.max_speed_m_s, c.max_yaw_rate_rad_s, c.turn_rate_rad_s, c.acceleration_m_s2, c.yaw_acceleration_rad_s2,
-            c.command_timeout_s, c.track_m, c.wheel_radius_m, 1.0 / c.odometry_hz,
+            c.cmd_timeout_s, c.wheel_separation_m, c.wheel_radius_m, 1.0 / c.odometry_hz,
         ])  # fmt: skip
         self.work = np.zeros(13)
         self.work[LAST_T], self.work[HEARD] = math.nan, -math.inf

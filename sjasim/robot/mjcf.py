@@ -123,7 +123,7 @@ def _add_wheel(spec: mujoco.MjSpec, base: mujoco.MjsBody, side: float, config: R
     """A driven wheel and its motor; side is +1 on the left, -1 on the right."""
     name = "wheel_l" if side > 0 else "wheel_r"
     radius = config.wheel_radius_m
-    wheel = base.add_body(name=name, pos=[0.0, side * config.track_m / 2, radius])
+    wheel = base.add_body(name=name, pos=[0.0, side * config.wheel_separation_m / 2, radius])
     wheel.add_joint(
         name=name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0.0, 1.0, 0.0], armature=_ROTOR_INERTIA, damping=0.0
     )

@@ -146,7 +146,7 @@ class Odometry:
     ) -> None:
         per_rad = config.ticks_per_rev / (2 * math.pi)
         metres = config.wheel_radius_m * (1 + config.wheel_radius_error) / per_rad
-        track = config.track_m * (1 + config.track_error)
+        track = config.wheel_separation_m * (1 + config.wheel_separation_error)
         self.base = np.array([per_rad, metres, track, config.gyro_bias_rad_s, float(gyro)])
         self.belief = np.array([math.nan, *start_pose, 0.0, 0.0, 0.0, 0.0])
         self._noise = config.gyro_noise_rad_s if rng is not None else 0.0

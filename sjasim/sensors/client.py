@@ -33,7 +33,7 @@ ROUNDING_S = 1e-9
 
 
 class Sensing(Protocol):
-    """A way to get skeletons from the stage, such as `joints.JointsSensing`.
+    """A way to get skeletons from the stage, such as `joints.JointSensing`.
 
     ``dancers`` (P,) and ``visible`` (P, 25), who is behind each row (-1 for nobody) and what the last frame could
     see, are for the record only; no client reads them.
@@ -67,7 +67,7 @@ class Client:
 
     A frame captured at t is ready ``latency_frames`` / ``rate_hz`` later; what it shows is stamped with the device
     clock of that moment, never back-dated. On request to watch, the client takes every frame and sends events; told to
-    assist, it takes every frame and sends only claps that it sees from the side; idle, it takes ``idle_hz`` frames a
+    assist, it takes every frame and sends only claps that it sees from the side; idle, it takes ``standby_hz`` frames a
     second, at moments when a status report is due, and its other reports are mere signs of life. A status that is due
     with a lost frame goes out with the next one taken. Going from idle to watching, its detectors begin anew: everyone
     must first be seen standing and facing the sensor, so that a hand-over amid a turn gives no event of its own. Events
@@ -114,7 +114,7 @@ class Client:
         self.latest: SkeletonFrame | None = None
         self._rate_hz = sensor_config.rate_hz
         ticks = Ticks(self._rate_hz)
-        self._reports, self._looks = Task(ticks, sensor_config.status_hz), Task(ticks, sensor_config.idle_hz)
+        self._reports, self._looks = Task(ticks, sensor_config.status_hz), Task(ticks, sensor_config.standby_hz)
         self._report_due = self._look_due = False
         self._t_first_s = math.nan
         towards = -mount.world_from_sensor[:, 2]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..choreography.layout import Mount
-from ..config import SensorConfig
+from ..config import SessionConfig
 from ..core import Array, Geoms, IntArray, SceneView, Skeletons
 from ..core.registry import register
 from . import kinect_noise
@@ -39,17 +39,15 @@ class DepthSensing:
 
     Args:
         mount: where the sensor is.
-        config: resolution, field of view, range, loss.
-        group: number of dancers; the sensor does not use it.
+        config: the session, whose ``sensors`` say resolution, field of view, range and loss.
         rng: the sensor's own random stream.
     """
 
-    def __init__(self, mount: Mount, config: SensorConfig, group: int, rng: np.random.Generator) -> None:
+    def __init__(self, mount: Mount, config: SessionConfig, rng: np.random.Generator) -> None:
         self._noises, self._losses = rng.spawn(2)
         self._mount = mount
-        self._config = config
-        self._group = group
-        self.intrinsics = Intrinsics.of(config.width_px, config.horizontal_fov_rad, config.vertical_fov_rad)
+        self._config = sensors = config.sensors
+        self.intrinsics = Intrinsics.of(sensors.width_px, sensors.horizontal_fov_rad, sensors.vertical_fov_rad)
         self._camera = Camera(mount, self.intrinsics)
         self._last: _Last | None = None
 

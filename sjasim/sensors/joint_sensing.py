@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..assets.names import JOINTS
 from ..choreography.layout import Mount
-from ..config import SensorConfig
+from ..config import JointNoiseConfig, SensorConfig, SessionConfig
 from ..core import Array, BoolArray, IntArray, SceneView, Skeletons, Solids
 from ..core.memory import Memory
 from ..core.registry import register
@@ -54,7 +54,7 @@ _ARM = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb")) for name i
 
 
 @register("sensing", "joints")
-class JointsSensing:
+class JointSensing:
     """One sensor's skeletons of everybody on the stage, from the truth.
 
     A joint is *visible* if it lies in the field of view and range and the ray to it meets nothing before it but
@@ -66,12 +66,11 @@ class JointsSensing:
 
     Errors are the sensor's own: a constant bias per person and joint, and a drift, other for limbs than for the rest,
     that follows a first-order autoregression over elapsed frames, also those that were lost or not taken; both times
-    a factor that moves smoothly from 1 (visible) to ``hidden_factor`` (hidden).
+    a factor that moves smoothly from 1 (visible) to ``occluded_factor`` (hidden).
 
     Args:
         mount: where the sensor is.
-        config: field of view, range, errors, loss.
-        group: number of dancers.
+        config: the session, of which it takes ``dancers``, ``sensors`` and ``joint_noise``.
         rng: the sensor's own random stream; identities, errors and loss draw from separate children of it.
 
     Attributes:
@@ -79,21 +78,22 @@ class JointsSensing:
         visible: (P, 25) what the last frame could see.
     """
 
-    def __init__(self, mount: Mount, config: SensorConfig, group: int, rng: np.random.Generator) -> None:
+    def __init__(self, mount: Mount, config: SessionConfig, rng: np.random.Generator) -> None:
+        group, sensors, noise = config.dancers, config.sensors, config.joint_noise
         order, self._draws, self._losses = rng.spawn(3)
         self.dancers: IntArray = order.permutation(group).astype(np.int64)
         self._shape = (group, len(JOINTS))
         self.visible: BoolArray = np.zeros(self._shape, dtype=bool)
-        self._config = config
-        self._loss, self._rate_hz = config.frame_loss, config.rate_hz
+        self._joint_noise = noise
+        self._loss, self._rate_hz = sensors.frame_loss, sensors.rate_hz
         self._persons: IntArray = np.arange(group, dtype=np.int64)
         self._persons.flags.writeable = False
-        self._eye = _eye(mount, config)
+        self._eye = _eye(mount, sensors)
         self._errors = np.zeros((*self._shape, ERRORS))
-        self._errors[:, :, BIAS:DRIFT] = config.bias_m * self._normal()
-        drift_m = np.where(LIMBS, config.limb_drift_m, config.drift_m)
+        self._errors[:, :, BIAS:DRIFT] = noise.bias_m * self._normal()
+        drift_m = np.where(LIMBS, noise.limb_drift_m, noise.drift_m)
         self._errors[:, :, DRIFT:FACTOR] = drift_m[:, None] * self._normal()
-        self._errors[:, :, HIDDEN] = np.where(_ARM, config.hidden_factor_hand, config.hidden_factor)
+        self._errors[:, :, HIDDEN] = np.where(_ARM, noise.occluded_factor_hand, noise.occluded_factor)
         self._errors[:, :, BLEND] = self._errors[:, :, KEPT] = 1.0  # at first they are as that sight leaves them
         self._errors[:, :, HELD] = ~_ARM
         self._solids: Solids | None = None
@@ -138,7 +138,7 @@ class JointsSensing:
         """Let errors move as they do in so many frames; an idle sensor's intervals alternate."""
         self._frames = frames
         if frames not in self._paces:
-            self._paces[frames] = _pace(self._config, frames)
+            self._paces[frames] = _pace(self._joint_noise, self._rate_hz, frames)
         self._errors[:, :, BLEND:HELD] = self._paces[frames]
 
     def _normal(self) -> Array:
@@ -169,10 +169,10 @@ class _Room:
         self.told = _frozen(visible), _frozen(joints), _frozen(state)
 
 
-def _pace(config: SensorConfig, frames: int) -> Array:
+def _pace(config: JointNoiseConfig, rate_hz: int, frames: int) -> Array:
     """(25, 3) share of the factor's way in so many frames, share of the drift that is kept, what comes anew [m]."""
     kept = np.where(LIMBS, config.limb_drift_correlation, config.drift_correlation) ** frames
-    blend = 1.0 - np.exp(-frames / config.rate_hz / np.where(_ARM, HAND_BLEND_S, TORSO_BLEND_S))
+    blend = 1.0 - np.exp(-frames / rate_hz / np.where(_ARM, HAND_BLEND_S, TORSO_BLEND_S))
     drift_m = np.where(LIMBS, config.limb_drift_m, config.drift_m)
     return np.stack([blend, kept, drift_m * np.sqrt(1.0 - kept**2)], axis=1)
 

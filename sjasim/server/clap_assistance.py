@@ -17,22 +17,22 @@ may be hidden where raised ones are not, and the other way round (assumed)."""
 class ClapAssistance:
     """The one exception to "only the active client's events count".
 
-    A clap that another client reports counts if it lies within ``assist_s`` of a beat on which the score has a clap
+    A clap that another client reports counts if it lies within ``side_clap_window_s`` of a beat on which the score has a clap
     and the active client, in a report of the last `UNSEEN_S` before it, did not see both hands of that person. With
-    ``assist_s`` 0 none does.
+    ``side_clap_window_s`` 0 none does.
 
     Args:
         cast: names of the dancers.
         timetable: when claps are due.
-        assist_s: half the width of the window around each.
+        side_clap_window_s: half the width of the window around each.
     """
 
-    def __init__(self, cast: Sequence[str], timetable: Timetable, assist_s: float) -> None:
+    def __init__(self, cast: Sequence[str], timetable: Timetable, side_clap_window_s: float) -> None:
         self._cast = tuple(cast)
         beats = [step.beat for step in timetable.choreography.steps() if step.kind is Kind.CLAP]
-        span = range(timetable.first, timetable.last + 1) if assist_s > 0.0 else ()
+        span = range(timetable.first, timetable.last + 1) if side_clap_window_s > 0.0 else ()
         self._due_s = sorted(timetable.time_s(iteration, beat) for iteration in span for beat in beats)
-        self._assist_s = assist_s
+        self._assist_s = side_clap_window_s
         self._unseen_s = dict.fromkeys(self._cast, -math.inf)
 
     def saw(self, t_s: float, hands: Iterable[str]) -> None:

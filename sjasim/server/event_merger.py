@@ -23,11 +23,11 @@ class EventMerger:
 
     Args:
         timetable: whose windows divide the events into iterations.
-        clap_rest_s: shortest time between two claps of one person: two reports closer than that are one.
+        clap_refractory_s: shortest time between two claps of one person: two reports closer than that are one.
     """
 
-    def __init__(self, timetable: Timetable, clap_rest_s: float) -> None:
-        self._clap_rest_s = clap_rest_s
+    def __init__(self, timetable: Timetable, clap_refractory_s: float) -> None:
+        self._clap_rest_s = clap_refractory_s
         self._first = timetable.first
         self._closes_s = [timetable.close_s(i) for i in range(timetable.first, timetable.last + 1)]
         self._latest_s: dict[tuple[str, Kind, bool], list[float]] = {}

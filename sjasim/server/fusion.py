@@ -77,9 +77,9 @@ class Server:
         cast = [dancer_name(index) for index in range(group)]
         self._persons = IdentityAssigner(cast, layout.dancers)
         self._roll_call = AttendanceMonitor(cast, timetable)
-        self._assistance = ClapAssistance(cast, timetable, config.detectors.assist_s)
+        self._assistance = ClapAssistance(cast, timetable, config.detectors.side_clap_window_s)
         self._helpers: frozenset[str] = frozenset()
-        self._merger = EventMerger(timetable, config.detectors.clap_rest_s)
+        self._merger = EventMerger(timetable, config.detectors.clap_refractory_s)
         self._clocks = {sensor: ClockSync() for sensor in self._active.sensors}
         self._exchanges = {sensor: LinkMonitor(sensor) for sensor in self._clocks}
         self._sync_s = 1.0 / config.network.sync_hz

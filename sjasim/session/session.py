@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from typing import cast
 
 from ..anticipation.checked_method import CheckedMethod
 from ..anticipation.method import HUMANS_ONLY, Method, build
@@ -23,10 +24,11 @@ from ..core.clock import stream
 from ..core.errors import ConfigError
 from ..core.link import Link, LinkQuality, Mail
 from ..core.method_io import MethodContext
+from ..core.registry import resolve
 from ..core.session_log import Followed, Handover, SessionLog
 from ..server.dispatcher import Dispatcher
 from ..server.fusion import Server
-from ..simulation.physics_world import Inward, Outward, PhysicsWorld
+from .world import Inward, Outward, World
 
 _PACKAGES = ("sjasim", "mujoco", "numpy", "scipy", "numba", "gymnasium", "rerun-sdk", "dm-control", "pyarrow")
 
@@ -49,7 +51,7 @@ class Session:
         self._started = time.process_time(), time.perf_counter()
         self.config = config
         self.timetable = timetable(config)
-        self.layout = layout(config.layout, config.group, config.room, config.sensors)
+        self.layout = layout(config)
         _check_faults(config, [mount.name for mount in self.layout.mounts])
         robot = config.method != HUMANS_ONLY
         self.method: Method | None = None
@@ -59,7 +61,8 @@ class Session:
         self.brief = _brief(self)
         self.server = Server(self.timetable, self.layout, config)
         self.dispatcher = Dispatcher(self.brief, self.timetable, self.layout, config.robot, config.network.heartbeat_hz)
-        self.world = PhysicsWorld(config, self.timetable, self.layout, robot=robot)
+        world = cast("Callable[..., World]", resolve("world", config.fidelity).factory)
+        self.world = world(config, self.timetable, self.layout, robot=robot)
         if self._hooks is not None:
             self._hooks.reset(self.brief, stream(config.seed, "anticipation", config.method))
         self._open_links([mount.name for mount in self.layout.mounts])
@@ -76,8 +79,8 @@ class Session:
 
     def _open_links(self, sensors: Sequence[str]) -> None:
         network = self.config.network
-        down = LinkQuality(network.latency_s, network.jitter_s, network.loss)
-        up = LinkQuality(network.latency_s + network.uplink_extra_s, network.jitter_s, network.loss)
+        down = LinkQuality(network.latency_s, network.jitter_s, network.packet_loss)
+        up = LinkQuality(network.latency_s + network.uplink_asymmetry_s, network.jitter_s, network.packet_loss)
         names = (*sensors, ROBOT)
         self._ups, self._downs = Mail[Outward](), Mail[Inward]()
         seed = self.config.seed
@@ -245,19 +248,20 @@ def _brief(session: Session) -> MethodContext:
     table, config = session.timetable, session.config
     iterations = range(config.iterations + 1)
     return MethodContext(
-        cast=tuple(dancer_name(index) for index in range(config.group)),
+        cast=tuple(dancer_name(index) for index in range(config.dancers)),
         steps=table.choreography.steps(),
         iterations=config.iterations,
         beat_s=60.0 / config.dance.bpm,
         iteration_start_s=tuple(table.start_s(iteration) for iteration in iterations),
         window_end_s=tuple(table.close_s(iteration) for iteration in iterations),
         tempo=table.tempo.shifted(table.lead_in_s),
+        tau_s=config.synchrony.tau_s,
     )
 
 
 def _check_faults(config: SessionConfig, sensors: Sequence[str]) -> None:
     """Refuse a fault that would hit nobody."""
-    dancers = [dancer_name(index) for index in range(config.group)]
+    dancers = [dancer_name(index) for index in range(config.dancers)]
     for index, fault in enumerate(config.faults):
         allowed = {"dancer": dancers, "robot": [ROBOT]}.get(FAULTS[fault.kind], sensors)
         if fault.target not in allowed:

@@ -36,16 +36,16 @@ def people(config: SessionConfig, timetable: Timetable) -> HumanTiming:
     """
     name = config.humans
     if name.startswith(REPLAY):
-        return _replay(name.removeprefix(REPLAY), timetable, config.group)
+        return _replay(name.removeprefix(REPLAY), timetable, config.dancers)
     streams = (
         stream(config.seed, "humans", "group"),
         stream(config.seed, "humans", "performance", config.performance or config.method),
     )
     if name.endswith(".toml"):
-        return EnsembleTiming(read_parameters(Path(name)), timetable, config.group, *streams)
+        return EnsembleTiming(read_parameters(Path(name)), timetable, config.dancers, *streams)
     if ":" not in name:
-        return EnsembleTiming(preset(name), timetable, config.group, *streams)
-    model = resolve("humans", name).factory(timetable, config.group, *streams)
+        return EnsembleTiming(preset(name), timetable, config.dancers, *streams)
+    model = resolve("humans", name).factory(timetable, config.dancers, *streams)
     if not isinstance(model, HumanTiming):
         raise PluginError(f"humans {name!r} made {type(model).__name__}, which lacks begin, decide or next_due_s")
     return model

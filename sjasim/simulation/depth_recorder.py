@@ -10,6 +10,7 @@ import numpy as np
 from ..core.clock import stream
 from ..core.session_log import DepthPicture
 from ..sensors.depth_sensing import DepthSensing
+from .physics_world import physics_of
 
 if TYPE_CHECKING:
     from ..session.session import Session
@@ -39,9 +40,7 @@ class DepthRecorder:
         self._every = max(1, config.sensors.rate_hz // PICTURES_HZ)
         self._frames = 0
         self._cameras = {
-            mount.name: DepthSensing(
-                mount, config.sensors, config.group, stream(config.seed, "depth_watch", mount.name)
-            )
+            mount.name: DepthSensing(mount, config, stream(config.seed, "depth_watch", mount.name))
             for mount in session.layout.mounts
         }
         self.pictures: list[DepthPicture] = []
@@ -50,7 +49,7 @@ class DepthRecorder:
         """A camera frame of the session."""
         if self._frames % self._every == 0:
             sensor = self._session.server.active
-            depth_mm = self._cameras[sensor].frame(self._session.world.physics)[::EVERY_PIXEL, ::EVERY_PIXEL]
+            depth_mm = self._cameras[sensor].frame(physics_of(self._session).physics)[::EVERY_PIXEL, ::EVERY_PIXEL]
             coarse = (np.round(depth_mm / STEP_MM) * STEP_MM).astype(np.uint16)
             png = imageio.imwrite("<bytes>", np.ascontiguousarray(coarse), extension=".png")
             self.pictures.append(DepthPicture(now, sensor, png))

@@ -43,7 +43,7 @@ class OpenLoopWorld(PhysicsWorld):
         self._plans = plans
         self._rows: list[tuple[Array, ...]] = []
         self.wheels: WheelCommand | None = None
-        place = layout(config.layout, config.group, config.room, config.sensors)
+        place = layout(config)
         super().__init__(config, timetable(config), place, robot=robot)
 
     def plan(self) -> None:
@@ -77,7 +77,7 @@ class OpenLoopWorld(PhysicsWorld):
     def _move(self, now: float) -> None:
         super()._move(now)
         states, count = self.physics.states(), len(self._fallen)
-        tick = np.minimum(round(now * self._config.physics.balance_hz), self.reference.until - 1)
+        tick = np.minimum(round(now * self._config.physics.control_hz), self.reference.until - 1)
         planned, landing = (column[range(count), tick] for column in (self.reference.pelvis, self.reference.landing))
         palms = np.sqrt(((states.hands[:, 0] - states.hands[:, 1]) ** 2).sum(axis=1))
         feet = states.ankles[:, :, :2]
@@ -180,7 +180,7 @@ def to_and_fro(seed: int, duration_s: float, moves: int = 4, hold_s: float = 1.0
     """Three people of any build who go forward and backward in moves of a given time."""
     config = SessionConfig(seed=seed, iterations=1, method="none", body=FULL_RANGE, dance=DanceConfig(rehearsal=False))
     plans = []
-    for dancer in range(config.group):
+    for dancer in range(config.dancers):
         starts = 2.0 + 0.1 * dancer + (duration_s + hold_s) * np.arange(moves)
         ways = (Move.FORWARD, Move.BACKWARD) * moves
         plans.append([

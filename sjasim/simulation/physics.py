@@ -124,7 +124,7 @@ class Physics:
         self.time_s = 0.0
         """Session time: ticks over rate [s]."""
         self.has_robot = robot is not None
-        self._index(len(anatomies), body.tether == "weak")
+        self._index(len(anatomies), body.balance_support == "weak")
         self._place(headings_rad, postures, pelvises)
         self.contacts = Contacts(self.model, d, self._shell, np.flatnonzero(self._owner >= 0), self._base)
         """Where the robot touches dancers."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import Protocol, cast
+from typing import cast
 
 import numpy as np
 
@@ -19,21 +19,17 @@ from ..choreography.score import Timetable
 from ..config import FaultConfig, SessionConfig
 from ..core import (
     ROBOT,
-    ClientOrder,
-    ClientStatus,
     Cue,
-    DeviceEvent,
     Kind,
     MoveCommand,
-    RobotState,
     SkeletonFrame,
     SyncReply,
-    SyncRequest,
     WheelCommand,
     dancer_name,
 )
 from ..core.clock import DeviceClock, Task, stream
-from ..core.registry import resolve
+from ..core.errors import ConfigError
+from ..core.registry import register, resolve
 from ..core.session_log import AgentEvent, Notice
 from ..humans.body.mjcf import body_model
 from ..humans.motion.balance_controller import BalanceController
@@ -42,15 +38,12 @@ from ..humans.motion.reference_trajectory import ReferenceTrajectory
 from ..humans.timing.ensemble import SOONEST_S
 from ..humans.timing.replay import Replay
 from ..sensors.client import ROUNDING_S, Client, Sensing
+from ..session.session import Session
+from ..session.world import Inward, Outward
 from .cast import felt_error_s, people, performed_cues, person
 from .control_loop import DancerController, RobotController
 from .physics import Physics
 from .recorder import GroundTruthRecorder
-
-Inward = MoveCommand | SyncRequest | ClientOrder
-"""What arrives at a world's devices."""
-Outward = DeviceEvent | ClientStatus | SyncReply | RobotState
-"""What a world's devices send."""
 
 FALLEN_SHARE = 0.65
 """A dancer whose pelvis is below this share of its standing height has fallen."""
@@ -62,43 +55,7 @@ STATE_HZ = 5
 """How often the robot reports its state to the server."""
 
 
-class World(Protocol):
-    """The part of a session that methods never see."""
-
-    @property
-    def time_s(self) -> float:
-        """Session time that has been reached [s]."""
-        ...
-
-    def instant_s(self, t_s: float) -> float:
-        """The first instant that is not before a time: all that happens in a session happens at instants [s]."""
-        ...
-
-    def deliver(self, now_s: float, t_arrival_s: float, message: Inward) -> SyncReply | None:
-        """Hand a message to the device that it is for.
-
-        Args:
-            now_s: the instant at which it is dealt with: not after the present, and after the devices' last turn.
-            t_arrival_s: session time at which it arrived, and was stamped.
-            message: what arrived.
-
-        Returns:
-            the device's answer, sent at ``now_s``.
-        """
-        ...
-
-    def advance(self, until_s: float) -> list[Outward]:
-        """Give devices whose turn it is their turn, then go on to the next turn of any.
-
-        Args:
-            until_s: session time to reach at most; a turn that is due then is left to the next call.
-
-        Returns:
-            what the devices sent at the instant at which the call began.
-        """
-        ...
-
-
+@register("world", "physics")
 class PhysicsWorld:
     """Dancers, robot and sensors in MuJoCo.
 
@@ -126,7 +83,7 @@ class PhysicsWorld:
         self.robot_events: list[AgentEvent] = []
         self._faults = config.faults
         self._dance(config, timetable, layout, robot)
-        every = max(1, config.physics.balance_hz // config.physics.truth_hz)
+        every = max(1, config.physics.control_hz // config.physics.ground_truth_hz)
         self.recorder = GroundTruthRecorder(self.physics.servos.weight, every, self.reference.rows.shape[1] // every)
         self.dancers = DancerController(self.physics, self.balance, self.recorder)
         self._equip(config, layout, robot)
@@ -138,13 +95,13 @@ class PhysicsWorld:
 
     def _dance(self, config: SessionConfig, timetable: Timetable, layout: Layout, robot: bool) -> None:
         heading = timetable.heading_rad(timetable.first)
-        rate = config.physics.balance_hz
-        builds = [person(config, index) for index in range(config.group)]
+        rate = config.physics.control_hz
+        builds = [person(config, index) for index in range(config.dancers)]
         self._anatomies = [body_model(config.body.model).anatomy(build) for build in builds]
-        self.reference = reference = ReferenceTrajectory.empty(config.group, math.ceil((self.end_s + 1.0) * rate) + 1)
+        self.reference = reference = ReferenceTrajectory.empty(config.dancers, math.ceil((self.end_s + 1.0) * rate) + 1)
         turn = timetable.choreography.turn_rad
         self._planners = [
-            Planner(body, layout.dancers[index], heading, config.room.move_m, turn, rate, reference.of(index))
+            Planner(body, layout.dancers[index], heading, config.dance.step_m, turn, rate, reference.of(index))
             for index, body in enumerate(self._anatomies)
         ]
         self.physics = Physics(
@@ -156,10 +113,10 @@ class PhysicsWorld:
         self._timing = people(config, timetable)
         if isinstance(self._timing, Replay):
             self.notices.extend(self._timing.notices)
-        self._busy_s = np.zeros(config.group)
-        self._decided: list[deque[Cue]] = [deque() for _ in range(config.group)]
+        self._busy_s = np.zeros(config.dancers)
+        self._decided: list[deque[Cue]] = [deque() for _ in range(config.dancers)]
         self._set_out_s = 0.0
-        self._fallen = [False] * config.group
+        self._fallen = [False] * config.dancers
         self._fall_m = [FALLEN_SHARE * body.standing_m for body in self._anatomies]
 
     def _equip(self, config: SessionConfig, layout: Layout, robot: bool) -> None:
@@ -167,7 +124,7 @@ class PhysicsWorld:
         self.sensing: dict[str, Sensing] = {}
         self._mounts = {mount.name: mount for mount in layout.mounts}
         self._clients = {mount.name: self._client(config, layout, index) for index, mount in enumerate(layout.mounts)}
-        self._balance_hz = config.physics.balance_hz
+        self._balance_hz = config.physics.control_hz
         self._balance_task = Task(ticks, self._balance_hz)
         self._frame_task = Task(ticks, config.sensors.rate_hz)
         self._robot_task = Task(ticks, config.robot.odometry_hz)
@@ -188,14 +145,14 @@ class PhysicsWorld:
         faults = {fault.kind: fault for fault in config.faults if fault.target == mount.name}
         jump = faults.get("clock_jump", FaultConfig("clock_jump", mount.name, 1e5))
         clock = DeviceClock(
-            offset_s=rng.uniform(-1, 1) * config.clocks.offset_s,
-            drift=rng.uniform(-1, 1) * config.clocks.drift,
+            offset_s=rng.uniform(-1, 1) * config.clocks.max_offset_s,
+            drift=rng.uniform(-1, 1) * config.clocks.max_skew,
             jump_at_s=jump.t_s,
             jump_s=jump.value,
         )
         factory = cast("Callable[..., Sensing]", resolve("sensing", config.sensing).factory)
         rng = stream(config.seed, "sensors", config.sensing, mount.name)
-        sensing = self.sensing[mount.name] = factory(mount, config.sensors, config.group, rng)
+        sensing = self.sensing[mount.name] = factory(mount, config, rng)
         dead_from_s = faults["dead_sensor"].t_s if "dead_sensor" in faults else math.inf
         return Client(mount, sensing, config.detectors, config.sensors, clock, dead_from_s=dead_from_s)
 
@@ -356,3 +313,14 @@ class PhysicsWorld:
 def _first_s(faults: Sequence[FaultConfig], kind: str) -> float:
     """When the first fault of a kind begins; infinite without one."""
     return min((fault.t_s for fault in faults if fault.kind == kind), default=math.inf)
+
+
+def physics_of(session: Session) -> PhysicsWorld:
+    """The world of a session that is simulated in MuJoCo.
+
+    Raises:
+        ConfigError: the session has another world, which shows no bodies.
+    """
+    if not isinstance(session.world, PhysicsWorld):
+        raise ConfigError("fidelity", session.config.fidelity, "physics, for whatever shows or measures bodies")
+    return session.world

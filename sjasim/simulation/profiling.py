@@ -13,6 +13,7 @@ import numpy as np
 from ..config import SessionConfig
 from ..core import Array
 from ..session.session import Session
+from .physics_world import physics_of
 
 
 @dataclass(slots=True)
@@ -56,11 +57,11 @@ def profile(config: SessionConfig) -> dict[str, Any]:
     warm.advance(WARM_S)
     warm.log()
     meter, metered = Meter(), Session(config)
-    start = (metered.world.physics.data.qpos.copy(), metered.world.physics.data.qvel.copy())
+    start = (physics_of(metered).physics.data.qpos.copy(), physics_of(metered).physics.data.qvel.copy())
     controls = instrument(meter, metered)
     metered.advance(metered.end_s)
     metered.log()
-    bare = Bare(metered.world.physics.model, start, controls)
+    bare = Bare(physics_of(metered).physics.model, start, controls)
     begin = time.process_time()
     plain = Session(config)
     cpu_s, raw_cpu_s = time.process_time() - begin, 0.0
@@ -68,12 +69,12 @@ def profile(config: SessionConfig) -> dict[str, Any]:
         begin = time.process_time()
         plain.advance(min(plain.time_s + TURN_S, plain.end_s))
         middle = time.process_time()
-        bare.advance(plain.world.physics.tick)
+        bare.advance(physics_of(plain).physics.tick)
         cpu_s, raw_cpu_s = cpu_s + middle - begin, raw_cpu_s + time.process_time() - middle
     begin = time.process_time()
     plain.log()
     cpu_s += time.process_time() - begin
-    if not np.array_equal(bare.data.qpos, plain.world.physics.data.qpos):
+    if not np.array_equal(bare.data.qpos, physics_of(plain).physics.data.qpos):
         raise AssertionError("the replayed physics went another way than the session's")
     return {
         "sim_s": plain.end_s,
@@ -125,7 +126,8 @@ def instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
 
     The turns of dancers and robot write their rows of the log themselves, so these count for stabiliser and robot.
     """
-    world, physics = session.world, session.world.physics
+    world = physics_of(session)
+    physics = world.physics
     controls: list[tuple[int, Array]] = []
     step = physics.step_to
 
@@ -166,7 +168,7 @@ def profile_depth(config: SessionConfig) -> dict[str, Any]:
     session.log()
     cpu_s = time.process_time() - begin
     meter, watched = Meter(), Session(config)
-    meter.watch(watched.world.sensing[watched.server.active], "sample", "depth")
+    meter.watch(physics_of(watched).sensing[watched.server.active], "sample", "depth")
     watched.advance(WARM_S)
     return {
         "depth_sim_s": session.end_s,

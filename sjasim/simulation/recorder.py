@@ -19,7 +19,7 @@ DANCER_STATE_WIDTH = 36
 
 TRUTH_COLUMNS = (
     "t_s", "dancer", "x_m", "y_m", "z_m", "heading_rad", "hands_m", "tether_x_n", "tether_y_n",
-    "tether_torque_nm", "load_n", "weight_n", "spine_seen", "hands_seen", "fallen",
+    "support_torque_nm", "load_n", "weight_n", "spine_seen", "hands_seen", "fallen",
 )  # fmt: skip
 """One row per (tick, dancer); ``spine_seen`` and ``hands_seen`` are the shares of SpineBase, SpineMid and shoulders,
 and of hands and wrists, that the sensor the dancers face could see; NaN where it sees nothing at all."""
@@ -132,7 +132,7 @@ class GroundTruthRecorder:
             "hands_m": np.sqrt(((of.hands[:, 0] - of.hands[:, 1]) ** 2).sum(axis=-1)),
             "tether_x_n": of.tether[:, 0],
             "tether_y_n": of.tether[:, 1],
-            "tether_torque_nm": np.sqrt((of.tether[:, 2:] ** 2).sum(axis=-1)),
+            "support_torque_nm": np.sqrt((of.tether[:, 2:] ** 2).sum(axis=-1)),
             "load_n": of.load,
             "weight_n": np.broadcast_to(self._weight, shape),
             "spine_seen": visible[:, :, _TORSO].mean(axis=2)[frame],

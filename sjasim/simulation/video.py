@@ -11,6 +11,7 @@ import numpy as np
 from ..assets.colours import dancer_colour
 from ..core import ROBOT
 from ..core.errors import RecordError
+from .physics_world import physics_of
 from .rendering import Picture, Renderer, RenderError
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ class VideoWriter:
 
         self._session, self._path, self._camera = session, path, camera
         self._draft = path.with_name(f".{path.stem}.partial.mp4")
-        self._renderer = Renderer(session.world.physics, *SIZE, session.layout.mounts, fine=False)
+        self._renderer = Renderer(physics_of(session).physics, *SIZE, session.layout.mounts, fine=False)
         rate = session.config.sensors.rate_hz / EVERY
         self._writer: Generator[None, Any, None] = imageio_ffmpeg.write_frames(
             str(self._draft), SIZE, fps=rate, quality=7, macro_block_size=4, ffmpeg_log_level="error"

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..assets.names import JOINT_INDEX
 from ..choreography.layout import layout
-from ..config import BodyConfig, PhysicsConfig, RobotConfig, SceneConfig, SensorConfig
+from ..config import BodyConfig, PhysicsConfig, RobotConfig, SessionConfig
 from ..core import Array
 from ..core.clock import stream
 from ..humans.body.anatomy import Build, anatomy
@@ -69,7 +69,7 @@ def _walk(seed: int, rng: np.random.Generator, gap: float, path: Array, *, small
     bodies = [anatomy(build) for build in builds]
     length_s = len(path) / RATE_HZ + 2.0
     plans = [planned(body, [], length_s, heading_rad=math.pi / 2) for body in bodies]
-    room = layout("square", 3, SceneConfig(), SensorConfig())
+    room = layout(SessionConfig())
     far_y = room.mounts[0].position[1]
     warm = round(1.5 * RATE_HZ)
     walker = np.concatenate([np.full(warm, path[0]), path, np.full(len(plans[2].yaw) - warm - len(path), path[-1])])

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..assets.names import ACTUATED_INDEX
 from ..choreography.layout import Mount, layout
-from ..config import BodyConfig, PhysicsConfig, RobotConfig, SceneConfig, SensorConfig
+from ..config import BodyConfig, PhysicsConfig, RobotConfig, SessionConfig
 from ..core import Array, BoolArray, Cue, Geoms, Move
 from ..core.clock import stream
 from ..humans.body.anatomy import Anatomy, Build, anatomy
@@ -106,8 +106,7 @@ class Cast:
         dances = [dance(rng, "") for _ in self._bodies]
         self._plans = [planned(body, cues) for body, cues in zip(self._bodies, dances, strict=True)]
         self._claps_s = [[cue.t_s for cue in cues if cue.move is Move.CLAP] for cues in dances]
-        room = SceneConfig()
-        place = layout("square", 3, room, SensorConfig())
+        place = layout(SessionConfig())
         self.mount: Mount = place.mounts[0]
         self.stature_m = np.array([body.build.stature_m for body in self._bodies])
         self._physics = Physics(

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..assets.names import JOINTS
 from ..choreography.layout import Layout, layout
-from ..config import BodyConfig, PhysicsConfig, RobotConfig, SceneConfig, SensorConfig
+from ..config import BodyConfig, PhysicsConfig, RobotConfig, SceneConfig, SensorConfig, SessionConfig
 from ..core import NOT_TRACKED, Array, Cue, Geoms, IntArray, Move, Solids, dancer_name
 from ..core.clock import stream
 from ..humans.body.anatomy import Build, anatomy
@@ -125,8 +125,8 @@ class Outcome:
 def place_everyone(trial: Trial) -> Layout:
     """Slots of a trial: the session's layout, its side and turn varied; or aligned rows."""
     rng = stream(trial.seed, "trial", "layout")
-    room = SceneConfig(side_m=float(rng.uniform(1.25, 1.5)), turn_rad=math.radians(float(rng.uniform(24.0, 38.0))))
-    return layout("rows" if trial.aligned else "square", 3, room, SensorConfig())
+    scene = SceneConfig(side_m=float(rng.uniform(1.25, 1.5)), turn_rad=math.radians(float(rng.uniform(24.0, 38.0))))
+    return layout(SessionConfig(layout="rows" if trial.aligned else "square", scene=scene))
 
 
 def stage_dance(trial: Trial) -> tuple[PosedView, Layout]:
@@ -157,7 +157,7 @@ def perform(view: PosedView, room: Layout, trial: Trial, ticks: int) -> Outcome:
     """Let the north sensor see a view tick by tick."""
     config = replace(SensorConfig(), width_px=trial.width_px)
     mount = room.mounts[0]
-    sensing = DepthSensing(mount, config, 3, stream(trial.seed, "trial", "sensor"))
+    sensing = DepthSensing(mount, SessionConfig(sensors=config), stream(trial.seed, "trial", "sensor"))
     dancers = len(view.joints_m)
     shape = (ticks, dancers, len(JOINTS))
     true, found = np.zeros((*shape, 3)), np.full((*shape, 3), np.nan)

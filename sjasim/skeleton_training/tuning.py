@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..choreography.layout import Mount
-from ..config import MOST_SEEN
+from ..config import MAX_TRACKED_PERSONS
 from ..core import Array
 from ..core.clock import stream
 from ..sensors.skeleton import posture_prior
@@ -66,7 +66,7 @@ class Estimates:
 
 def estimate(scenes: Iterable[tuple[Mount, Scene]], model: Model, seed: int, name: str) -> Estimates:
     """Let a model see scenes that it was not trained on."""
-    watcher, votes = Watcher(seed, name), Votes(unpacked(model), MOST_SEEN)
+    watcher, votes = Watcher(seed, name), Votes(unpacked(model), MAX_TRACKED_PERSONS)
     rows: list[tuple[Array, ...]] = []
     fx = watcher.intrinsics.fx
     for mount, scene in scenes:

@@ -137,7 +137,7 @@ def truth(true_s, steps, table, config):
     """The truth table's columns, rows ordered by tick, then dancer."""
     times = np.arange(int((table.end_s() + config.dance.tail_s) * 60)) / 60
     dancers, count = len(true_s), len(times)
-    slots = layout(config.layout, config.group, config.room, config.sensors).dancers
+    slots = layout(config).dancers
     columns = {name: np.empty((count, dancers)) for name in ("x_m", "y_m", "heading_rad", "hands_m")}
     for d in range(dancers):
         xy, columns["heading_rad"][:, d] = motion(times, true_s[d], steps, table, slots[d], table.first)
@@ -146,7 +146,7 @@ def truth(true_s, steps, table, config):
         columns["hands_m"][:, d] = np.minimum(0.6, 0.04 + away)
     flat = {name: column.ravel() for name, column in columns.items()}
     size = count * dancers
-    constants = {"z_m": 0.95, "tether_x_n": 3.0, "tether_y_n": 4.0, "tether_torque_nm": 1.0, "load_n": 693.0}
+    constants = {"z_m": 0.95, "tether_x_n": 3.0, "tether_y_n": 4.0, "support_torque_nm": 1.0, "load_n": 693.0}
     constants |= {"weight_n": 700.0, "spine_seen": 1.0, "hands_seen": 1.0, "fallen": 0.0}
     filled = {name: np.full(size, value) for name, value in constants.items()}
     return {"t_s": np.repeat(times, dancers), "dancer": np.tile(np.arange(dancers), count), **flat, **filled}
@@ -155,7 +155,7 @@ def truth(true_s, steps, table, config):
 def odometry(robot_s, steps, table, config):
     """The odometry table's columns at 50 Hz; belief and truth agree."""
     times = np.arange(int((table.end_s() + config.dance.tail_s) * 50)) / 50
-    slot = layout(config.layout, config.group, config.room, config.sensors).robot
+    slot = layout(config).robot
     xy, heading = motion(times, robot_s, steps, table, slot, 1)
     rate = np.gradient(heading, times)
     columns = {"t_s": times, "x_m": xy[:, 0], "y_m": xy[:, 1], "heading_rad": heading}
@@ -166,8 +166,8 @@ def odometry(robot_s, steps, table, config):
 def skeletons(config, table):
     """Standing figures at 30 Hz, enough to be drawn."""
     count = int((table.end_s() + config.dance.tail_s) * 30)
-    slots = layout(config.layout, config.group, config.room, config.sensors).dancers
-    joints = np.zeros((count, config.group, 25, 3), dtype=np.float32)
+    slots = layout(config).dancers
+    joints = np.zeros((count, config.dancers, 25, 3), dtype=np.float32)
     joints[..., :2] = slots[None, :, None]
     joints[..., 2] = np.linspace(0.1, 1.7, 25)
     return joints

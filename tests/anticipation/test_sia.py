@@ -43,7 +43,7 @@ def test_the_robots_edges_while_it_follows_nobody_are_an_option(story):
 
 
 def test_the_rehearsals_leader_is_followed_at_once_if_asked(story):
-    stage = story.Story("sia", effective_from=1).play(0, TOGETHER)
+    stage = story.Story("sia", first_followed_iteration=1).play(0, TOGETHER)
     assert stage.method.follows(1) == ("dancer_1",)
     assert sent(stage.tell(story.event("dancer_1", 1, SF, 0.1, early=True))) == [(0, "dancer_1")]
 

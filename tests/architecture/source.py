@@ -10,6 +10,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "sjasim"
 
+FACES = tuple(sorted(path.stem for path in PACKAGE.glob("*.py") if path.stem != "__init__"))
+"""Modules beside the rooms: one command each."""
+
 
 @dataclass(frozen=True)
 class Import:

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from sjasim.choreography.layout import layout
-from sjasim.config import SceneConfig, SensorConfig
+from sjasim.config import DanceConfig, SceneConfig, SessionConfig
 from sjasim.core.errors import ConfigError
 
 
 def room(name: str, group: int, **options):
-    return layout(name, group, SceneConfig(**options), SensorConfig())
+    return layout(SessionConfig(layout=name, dancers=group, sensing="joints", scene=SceneConfig(**options)))
 
 
 def all_slots(place) -> np.ndarray:
@@ -83,14 +83,14 @@ def test_the_active_sensor_sees_the_default_square_from_1_94_to_4_36_m():
     slots = np.concatenate([place.dancers, [place.robot]])
     for mount in place.mounts:
         depth = (np.c_[slots, np.zeros(4)] - mount.position) @ mount.world_from_sensor[:, 2]
-        assert depth.min() - SceneConfig().move_m == pytest.approx(1.94, abs=0.005)
+        assert depth.min() - DanceConfig().step_m == pytest.approx(1.94, abs=0.005)
         assert depth.max() == pytest.approx(4.36, abs=0.005)
 
 
 def test_own_slots_out_of_range_name_their_field():
     far = SceneConfig(slots_m=((9, 9), (1, 1), (0, 1), (-1, 0)))
-    with pytest.raises(ConfigError, match=r"room\.slots_m"):
-        layout("custom", 3, far, SensorConfig())
+    with pytest.raises(ConfigError, match=r"scene\.slots_m"):
+        layout(SessionConfig(layout="custom", scene=far))
 
 
 @pytest.mark.parametrize("name", ["square", "rows"])

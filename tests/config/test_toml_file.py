@@ -14,7 +14,7 @@ RICH = SessionConfig(
     layout="custom",
     method_options={"epsilon_s": 1.25, "name": 'a "quoted" \u00e9\x7f', "count": 2, "on": True},
     faults=(FaultConfig("clock_jump", "west", 3.0, -0.4), FaultConfig("dancer_stops", "dancer_2", 9.5)),
-    room=SceneConfig(slots_m=((0.0, 1.0), (1.0, 0.0))),
+    scene=SceneConfig(slots_m=((0.0, 1.0), (1.0, 0.0))),
     body=BodyConfig(stature_m=(1.6, 1.7)),
     robot=RobotConfig(gyro_noise_rad_s=1e-5),
 )

@@ -83,7 +83,7 @@ def test_the_readmes_settings_and_dance_are_understood():
 def test_the_page_of_the_environments_names_what_they_have():
     page = (ROOT / "docs" / "environment.md").read_text(encoding="utf-8")
     env = gym.make("sjasim:sjasim/Dance-v0", disable_env_checker=True)
-    dancers, steps = env.unwrapped.config.group, env.observation_space["last_iteration"].shape[1]
+    dancers, steps = env.unwrapped.config.dancers, env.observation_space["last_iteration"].shape[1]
     for name, space in env.observation_space.items():
         shape = str(space.shape).replace(str((dancers, steps)), "(D, K)").replace(f"({dancers}, ", "(D, ")
         assert f"| `{name}` | {shape} |" in page, name
@@ -165,7 +165,7 @@ def test_the_readmes_participants_are_fitted_and_dance(tmp_path, monkeypatch, ca
 
     def dance(config, audience=None):
         model = people(config, timetable(config))
-        model.begin(0, None, np.zeros(config.group))
+        model.begin(0, None, np.zeros(config.dancers))
         danced.append([cue for own in model.decide(0.0, ()) for cue in own])
         raise SjasimError("enough")
 

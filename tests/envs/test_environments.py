@@ -130,7 +130,7 @@ def test_stable_baselines_can_learn():
 class TestLogs:
     @pytest.mark.parametrize("method", ["sia"])
     def test_a_method_through_the_environment_leaves_the_same_log(self, method):
-        options = {"effective_from": 1}
+        options = {"first_followed_iteration": 1}
         config = sjasim.SessionConfig(method=method, sensing="joints", seed=4, iterations=1, method_options=options)
         log = sjasim.run_session(config)
         env = make(method=method, dance={"rehearsal": True}, method_options=options)
@@ -225,7 +225,7 @@ class TestBadInput:
         [({"iteratoins": 2}, "did you mean 'iterations'"), ({"iterations": 0}, "iterations"),
          ({"sensors": {"rate": 3}}, "sensors.rate"), ({"method": "none"}, "humans|robot"), ({"step_hz": 0}, "step_hz"),
          ({"reward": {"timming": 1.0}}, "reward.timming"), ({"reward": {"drift": np.nan}}, "reward.drift"),
-         ({"layout": "rows", "group": 9}, "group"), ({"method": "tarantella"}, "tarantella"),
+         ({"layout": "rows", "dancers": 9}, "dancers"), ({"method": "tarantella"}, "tarantella"),
          ({"method": "learned"}, "learned.policy"), ({"humans": "nobody"}, "nobody"), ({"width": 0}, "0 x 480"),
          ({"height": "tall"}, "640 x tall"), ({"skip_rehearsal": "no"}, "skip_rehearsal"),
          ({"reward": 3}, "reward = 3"),

@@ -35,16 +35,16 @@ class Story:
         numbers = range(3)
         starts, ends = (tuple(at(i) for i in numbers) for at in (TABLE.start_s, TABLE.close_s))
         self.pose, self.touching = (0.0, 0.0), False
-        room = layout("square", 3, CONFIG.room, CONFIG.sensors)
+        room = layout(CONFIG)
         physics = SimpleNamespace(
             contacts=SimpleNamespace(bumped=lambda: self.touching),
             robot_pose=lambda: (room.robot[0] + self.pose[0], room.robot[1] + self.pose[1], math.pi / 2),
         )
         self.session = SimpleNamespace(
             brief=MethodContext(CAST, STEPS, 2, 60 / 118, starts, ends), config=CONFIG, timetable=TABLE, layout=room,
-            events=[], followed=[], world=SimpleNamespace(robot_events=[], physics=physics), time_s=starts[1],
+            events=[], followed=[], world=SimpleNamespace(robot_events=[]), time_s=starts[1],
         )  # fmt: skip
-        self.scorer = Scorer(self.session, RewardConfig.of(weights))
+        self.scorer = Scorer(self.session, physics, RewardConfig.of(weights))
 
     def dancers(self, late_s=(0.0, 0.0, 0.0), step=0, iteration=1, early=False):
         for person, late in zip(CAST, late_s, strict=True):

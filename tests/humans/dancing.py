@@ -10,7 +10,7 @@ import numpy as np
 from sjasim.analysis.ground_truth_events import claps, moves
 from sjasim.choreography.layout import layout
 from sjasim.choreography.score import MOVE_EVENTS, Choreography, Timetable
-from sjasim.config import BodyConfig, PhysicsConfig, RobotConfig, SceneConfig, SensorConfig
+from sjasim.config import BodyConfig, PhysicsConfig, RobotConfig, SessionConfig
 from sjasim.core import Array, Cue, Kind, Move, dancer_name
 from sjasim.core.registry import resolve
 from sjasim.core.tempo import TempoMap
@@ -22,7 +22,7 @@ from sjasim.simulation.control_loop import DancerController
 from sjasim.simulation.physics import Physics
 from sjasim.simulation.recorder import GroundTruthRecorder
 
-HZ = PhysicsConfig().balance_hz
+HZ = PhysicsConfig().control_hz
 TICKS = PhysicsConfig().rate_hz // HZ
 NORTH = np.pi / 2
 
@@ -80,7 +80,7 @@ class Floor:
 
     def __post_init__(self) -> None:
         count = len(self.bodies)
-        room = layout("square", min(count, 3), SceneConfig(), SensorConfig())
+        room = layout(SessionConfig(dancers=min(count, 3)))
         if self.slots is not None:
             room = replace(room, dancers=self.slots)
         self.ticks = round(self.seconds * HZ)

@@ -86,7 +86,7 @@ def test_every_hinge_has_a_servo_and_every_plan_a_hinge(body):
     assert len(body.hinges) == 56
     assert len(body.leading) == len(ACTUATED) == len(set(body.leading))
     assert set(body.leading) <= set(body.hinges)
-    bare = body.spec(body.anatomy(Build()), 0, 1, BodyConfig(tether="none")).compile()
+    bare = body.spec(body.anatomy(Build()), 0, 1, BodyConfig(balance_support="none")).compile()
     assert bare.nu == 56
 
 

@@ -13,7 +13,9 @@ FAST = {"iterations": 1, "dance": {"rehearsal": False}}
 def dm():
     pytest.importorskip("dm_control", reason="dm-control is not installed (Python 3.13 and newer have none)")
 
-    return dm
+    from sjasim.interop import dm_environment
+
+    return dm_environment
 
 
 def test_dm_control_and_mujoco_fit_together(dm):
@@ -78,7 +80,7 @@ def test_dm_controls_viewer_can_run_it(dm):
 def test_without_dm_control_the_reason_is_named():
     probe = (
         "import sys; sys.modules['dm_control'] = None\n"
-        "try:\n import sjasim.interop.dm\nexcept ImportError as e: print(e)"
+        "try:\n import sjasim.interop.dm_environment\nexcept ImportError as e: print(e)"
     )
     answer = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
     assert "sjasim.interop needs dm_control" in answer.stdout

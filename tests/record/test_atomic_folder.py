@@ -22,7 +22,7 @@ def test_checking_leaves_nothing(tmp_path):
 
 def test_a_folder_appears_when_all_is_written(tmp_path):
     target = tmp_path / "a" / "b"
-    with atomic_folder.whole(target) as draft:
+    with atomic_folder.atomic_folder(target) as draft:
         (draft / "x").write_text("1")
         assert not target.exists()
     assert [path.name for path in target.iterdir()] == ["x"]
@@ -34,7 +34,7 @@ def test_a_failure_leaves_what_was_there(tmp_path):
     (tmp_path / "b" / "x").write_text("old")
 
     def fill():
-        with atomic_folder.whole(tmp_path / "b", overwrite=True) as draft:
+        with atomic_folder.atomic_folder(tmp_path / "b", overwrite=True) as draft:
             (draft / "x").write_text("new")
             raise OSError(28, "No space left on device")
 
@@ -51,9 +51,9 @@ def test_of_two_runs_at_once_the_second_loses_nothing_of_the_first(tmp_path, bef
         target.mkdir()
 
     def fill():
-        with atomic_folder.whole(atomic_folder.check_target(target)) as mine:
+        with atomic_folder.atomic_folder(atomic_folder.check_target(target)) as mine:
             (mine / "x").write_text("second")
-            with atomic_folder.whole(atomic_folder.check_target(target)) as other:
+            with atomic_folder.atomic_folder(atomic_folder.check_target(target)) as other:
                 (other / "x").write_text("first")
 
     with pytest.raises(RecordError, match=r"b has been filled by another run meanwhile: .*--overwrite"):
@@ -66,7 +66,7 @@ def test_what_may_be_replaced_stands_until_the_new_one_does(tmp_path, monkeypatc
     target = tmp_path / "b"
     target.mkdir()
     (target / "x").write_text("old")
-    with atomic_folder.whole(target, overwrite=True) as draft:
+    with atomic_folder.atomic_folder(target, overwrite=True) as draft:
         (draft / "x").write_text("new")
     assert (target / "x").read_text() == "new"
     real, moves = atomic_folder.os.replace, []
@@ -78,7 +78,7 @@ def test_what_may_be_replaced_stands_until_the_new_one_does(tmp_path, monkeypatc
         real(source, place)
 
     monkeypatch.setattr(atomic_folder.os, "replace", failing)
-    with pytest.raises(RecordError, match="Input/output error"), atomic_folder.whole(target, overwrite=True):
+    with pytest.raises(RecordError, match="Input/output error"), atomic_folder.atomic_folder(target, overwrite=True):
         pass
     assert (target / "x").read_text() == "new"
     assert [path.name for path in tmp_path.iterdir()] == ["b"]

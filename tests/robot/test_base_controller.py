@@ -12,7 +12,7 @@ from sjasim.core.errors import ConfigError
 from sjasim.robot.base_controller import BaseController
 from sjasim.robot.diff_drive import body_rates
 
-CONFIG = RobotConfig(dead_time_s=0.1)
+CONFIG = RobotConfig(command_latency_s=0.1)
 DT = 0.02
 
 
@@ -116,7 +116,7 @@ def test_silence_ramps_to_a_stop_and_a_copy_lets_it_go_on(base, order):
     base.executor.receive(0.0, order(1, Move.FORWARD))
     speeds = [speed for speed, _ in base.run(1.0)]
     last = max(k for k, speed in enumerate(speeds) if speed == pytest.approx(0.25))
-    assert last * DT == pytest.approx(CONFIG.command_timeout_s, abs=0.021)
+    assert last * DT == pytest.approx(CONFIG.cmd_timeout_s, abs=0.021)
     assert speeds[last + 3] == pytest.approx(0.19)
     assert speeds[-1] == 0.0
     assert base.executor.timed_out

@@ -11,7 +11,7 @@ from sjasim.core import WheelCommand
 from sjasim.robot.diff_drive import body_rates, moved, wheel_command
 
 CONFIG = RobotConfig()
-TRACK = CONFIG.track_m
+TRACK = CONFIG.wheel_separation_m
 
 
 @given(st.floats(-0.3, 0.3), st.floats(-3.0, 3.0))

@@ -102,7 +102,7 @@ def test_wheels_slip_less_than_one_per_cent(rig, order):
     rig.send(order(3, Move.TURN, heading=math.pi / 2))
     rig.run(2.0)
     after = rig.wheel_angles()
-    turned = (after[1] - right - after[0] + left) * rig.config.wheel_radius_m / rig.config.track_m
+    turned = (after[1] - right - after[0] + left) * rig.config.wheel_radius_m / rig.config.wheel_separation_m
     assert turned == pytest.approx(rig.true_pose()[2], rel=0.01)
 
 

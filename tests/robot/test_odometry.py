@@ -12,7 +12,7 @@ from sjasim.core import Kind, RobotState, WheelReading
 from sjasim.robot.odometry import Odometry, RobotEventDetector
 
 CONFIG = RobotConfig()
-RADIUS, TRACK = CONFIG.wheel_radius_m, CONFIG.track_m
+RADIUS, TRACK = CONFIG.wheel_radius_m, CONFIG.wheel_separation_m
 DT = 0.02
 
 
@@ -65,7 +65,7 @@ def test_wrong_radius_scales_the_path():
 
 
 def test_wrong_track_turns_the_encoders_heading_only():
-    config = replace(CONFIG, track_error=-0.05)
+    config = replace(CONFIG, wheel_separation_error=-0.05)
     bare = drive(Odometry(config, (0.0, 0.0, 0.0), gyro=False), 0.0, 1.0, 100)
     fused = drive(Odometry(config, (0.0, 0.0, 0.0)), 0.0, 1.0, 100)
     assert bare.heading_rad == pytest.approx(2.0 / 0.95, abs=2e-3)

@@ -113,7 +113,7 @@ def test_sia_follows_metronomic_dancers_within_tau(metronomic):
 
 
 def test_an_asymmetric_link_shows_as_half_its_asymmetry():
-    network = NetworkConfig(uplink_extra_s=0.02)
+    network = NetworkConfig(uplink_asymmetry_s=0.02)
     config = SessionConfig(method="eca", humans="metronomic", sensing="joints", iterations=1, network=network)
     clocks = measures(run_session(config)).clocks
     for sensor, clock in clocks.items():

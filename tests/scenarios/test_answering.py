@@ -43,7 +43,7 @@ def conduct(name, events):
     """Runs a method against the dispatcher, and returns it with every command in the order of sending."""
     method = build(name)
     method.reset(BRIEF, np.random.default_rng(0))
-    dispatcher = Dispatcher(BRIEF, TIMETABLE, layout("square", 3, CONFIG.room, CONFIG.sensors), CONFIG.robot, 10)
+    dispatcher = Dispatcher(BRIEF, TIMETABLE, layout(CONFIG), CONFIG.robot, 10)
     agenda = [(event.t_arrival_s, method.on_event, (event,)) for event in events]
     for i in range(5):
         agenda.append((TIMETABLE.start_s(i), method.on_iteration_start, (i, TIMETABLE.start_s(i))))

@@ -13,7 +13,7 @@ AMID_S = 10.0
 
 @pytest.fixture(scope="module")
 def lossy():
-    return dance(network=NetworkConfig(loss=0.2))
+    return dance(network=NetworkConfig(packet_loss=0.2))
 
 
 def test_with_nothing_wrong_nothing_is_noticed(clean):

@@ -43,6 +43,6 @@ def test_a_dance_by_unknown_people_is_on_its_feet_and_on_time(name):
 
 @pytest.mark.slow
 def test_dancers_who_balance_alone_finish_a_dance():
-    alone = figures([dance(9621, body=dataclasses.replace(FULL_RANGE, tether="none"))])
+    alone = figures([dance(9621, body=dataclasses.replace(FULL_RANGE, balance_support="none"))])
     assert alone["falls"] == 0
     assert alone["tether_rms_n"] == 0.0

@@ -9,11 +9,11 @@ import numpy as np
 
 from sjasim.assets.names import JOINT_INDEX, JOINTS
 from sjasim.choreography.layout import Mount, layout
-from sjasim.config import DetectorConfig, SceneConfig, SensorConfig
+from sjasim.config import DetectorConfig, JointNoiseConfig, SensorConfig, SessionConfig
 from sjasim.core import ClientOrder, DeviceEvent, Kind, Solids
 from sjasim.core.clock import DeviceClock, stream
 from sjasim.sensors.client import Client
-from sjasim.sensors.joint_sensing import JointsSensing
+from sjasim.sensors.joint_sensing import JointSensing
 from sjasim.sensors.raycast.occlusion import shapes
 from sjasim.sensors.raycast.primitives import SPHERE
 
@@ -151,7 +151,7 @@ class ScriptedView:
         return Solids(rows.reshape(-1, 3), shape, centres, np.tile(np.eye(3).ravel(), (len(there), 1)))
 
 
-NORTH: Mount = layout("square", 3, SceneConfig(), SensorConfig()).mounts[0]
+NORTH: Mount = layout(SessionConfig()).mounts[0]
 PLACES = ((0.97, 0.23), (-0.23, 0.97), (0.23, -0.97))
 FRAME_HZ = 30
 
@@ -160,12 +160,17 @@ def client(
     seed: int = 0,
     group: int = 3,
     sensors: SensorConfig | None = None,
+    joint_noise: JointNoiseConfig | None = None,
     clock: DeviceClock | None = None,
     mount: Mount = NORTH,
     **options: float,
 ) -> Client:
     sensors = sensors or SensorConfig()
-    sensing = JointsSensing(mount, sensors, group, stream(seed, "sensors", mount.name))
+    sensing = JointSensing(
+        mount,
+        SessionConfig(sensors=sensors, joint_noise=joint_noise or JointNoiseConfig(), dancers=group, sensing="joints"),
+        stream(seed, "sensors", mount.name),
+    )
     return Client(mount, sensing, DetectorConfig(), sensors, clock or DeviceClock(), **options)
 
 

@@ -7,13 +7,13 @@ import math
 import pytest
 
 from sjasim.choreography.layout import layout
-from sjasim.config import SceneConfig, SensorConfig
+from sjasim.config import JointNoiseConfig, SensorConfig, SessionConfig
 from sjasim.core import ClientOrder, ClientStatus, DeviceEvent, SyncReply, SyncRequest
 from sjasim.core.clock import DeviceClock
 
 from .scripted import FRAME_HZ, NORTH, PLACES, Script, ScriptedView, Walk, client, dancers
 
-EXACT = SensorConfig(bias_m=0.0, drift_m=0.0)
+EXACT = JointNoiseConfig(bias_m=0.0, drift_m=0.0)
 CLOCK = DeviceClock(offset_s=0.3, drift=40e-6)
 
 
@@ -66,9 +66,9 @@ def test_status_rate_holds_for_any_rate(status_hz: int):
 
 
 def test_status_places_persons_in_the_world():
-    for mount in layout("square", 3, SceneConfig(), SensorConfig()).mounts:
+    for mount in layout(SessionConfig()).mounts:
         view = ScriptedView([Script(place, 0.4 * index, sway_m=0.0) for index, place in enumerate(PLACES)])
-        watcher = client(sensors=EXACT, mount=mount)
+        watcher = client(joint_noise=EXACT, mount=mount)
         _, status = run(watcher, view, 0, 3)[0]
         assert isinstance(status, ClientStatus)
         assert status.sensor == mount.name

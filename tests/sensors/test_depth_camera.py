@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from sjasim.choreography.layout import layout
-from sjasim.config import SceneConfig, SensorConfig
+from sjasim.config import SessionConfig
 from sjasim.core import Geoms
 from sjasim.sensors.depth_camera import Camera, Intrinsics
 from sjasim.skeleton_training.trials import Trial, stage_dance
 
-NORTH = layout("square", 3, SceneConfig(), SensorConfig()).mounts[0]
+NORTH = layout(SessionConfig()).mounts[0]
 FOV = math.radians(70.6), math.radians(60.0)
 FORMS = {
     "plane": (0, (0.5, 0.3, 0.1)),
@@ -119,7 +119,18 @@ def first_hits(physics, directions):
     geom, distance = np.empty(count, dtype=np.int32), np.empty(count)
     groups = np.array([1, 1, 1, 0, 1, 1], dtype=np.uint8)
     mujoco.mj_multiRay(
-        physics.model, physics.data, NORTH.position, directions.ravel(), groups, 1, -1, geom, distance, None, count, 10.0
+        physics.model,
+        physics.data,
+        NORTH.position,
+        directions.ravel(),
+        groups,
+        1,
+        -1,
+        geom,
+        distance,
+        None,
+        count,
+        10.0,
     )
     names = [physics.model.geom(int(index)).name if index >= 0 else "" for index in geom]
     return distance, np.array([int(name[7]) - 1 if name.startswith("dancer_") else -1 for name in names])
@@ -135,7 +146,7 @@ def test_dancers_and_robot_on_a_stage_are_seen_as_the_stages_own_rays_see_them()
     part = slice(None, None, 7)
     rows, columns = rows[part], columns[part]
     unit = directions[rows, columns] / length[rows, columns, None]
-    distance, owner = first_hits(view._stage, np.ascontiguousarray(unit))
+    distance, owner = first_hits(view._physics, np.ascontiguousarray(unit))
     assert np.abs(seen.depth_m[rows, columns] * length[rows, columns] - distance).max() < 1e-6
     assert (view.geoms.owner[seen.geom[rows, columns]] == owner).all()
     assert set(owner) == {-1, 0, 1, 2}

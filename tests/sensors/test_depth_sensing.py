@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from sjasim.assets.names import JOINT_INDEX
-from sjasim.config import SensorConfig
+from sjasim.config import SensorConfig, SessionConfig
 from sjasim.core import INFERRED, NOT_TRACKED, TRACKED, Skeletons
 from sjasim.core.clock import stream
 from sjasim.core.errors import SjasimError
@@ -68,7 +68,7 @@ def frames(count: int = 12) -> tuple[list[np.ndarray], list[Skeletons]]:
     """Depth frames of a trial and the skeletons that were found in them."""
     trial = Trial(78, 4.0)
     view, room = stage_dance(trial)
-    sensing = DepthSensing(room.mounts[0], SensorConfig(), 3, stream(0, "sensor"))
+    sensing = DepthSensing(room.mounts[0], SessionConfig(), stream(0, "sensor"))
     depths, found = [], []
     estimator = SkeletonEstimator(sensing.intrinsics, float(room.mounts[0].position[2]))
     for tick in range(count):
@@ -81,7 +81,9 @@ def frames(count: int = 12) -> tuple[list[np.ndarray], list[Skeletons]]:
 def test_who_is_farther_than_persons_are_tracked_is_inferred_and_not_visible():
     view, room = stage_dance(Trial(78, 4.0))
     far_m = 3.0
-    sensing = DepthSensing(room.mounts[0], replace(SensorConfig(), max_range_m=far_m), 3, stream(0, "sensor"))
+    sensing = DepthSensing(
+        room.mounts[0], SessionConfig(sensors=replace(SensorConfig(), max_range_m=far_m)), stream(0, "sensor")
+    )
     for tick in range(12):
         view.at(tick)
         skeletons = sensing.sample(view)
@@ -100,8 +102,8 @@ def test_the_same_frames_give_the_same_skeletons_without_mujoco(tmp_path):
     np.savez(tmp_path / "frames.npz", depths=np.array(depths))
     program = f"""
 import sys, math, numpy as np
-from sjasim.sensors.camera import Intrinsics
-from sjasim.sensors.skeleton import SkeletonEstimator
+from sjasim.sensors.depth_camera import Intrinsics
+from sjasim.sensors.skeleton.estimator import SkeletonEstimator
 estimator = SkeletonEstimator(Intrinsics.of(256, math.radians(70.6), math.radians(60.0)), 0.91)
 for tick, depth in enumerate(np.load({str(tmp_path / "frames.npz")!r})["depths"]):
     found = estimator.update(tick / 30, depth)
@@ -119,7 +121,9 @@ def test_a_depth_image_reaches_beyond_the_farthest_person_that_is_met():
     trial = Trial(78, 4.0)
     view, room = stage_dance(trial)
     reach_m = 3.0
-    sensing = DepthSensing(room.mounts[0], SensorConfig(max_range_m=reach_m), 3, stream(0, "sensor"))
+    sensing = DepthSensing(
+        room.mounts[0], SessionConfig(sensors=SensorConfig(max_range_m=reach_m)), stream(0, "sensor")
+    )
     farthest_m = 0.001 * float(sensing.frame(view).max())
     assert reach_m + 0.9 * BEYOND_M < farthest_m <= reach_m + BEYOND_M
 
@@ -195,7 +199,7 @@ def test_more_than_six_are_not_all_tracked():
 def test_the_record_knows_who_is_who_and_what_is_visible():
     trial = Trial(79, 3.5)
     view, room = stage_dance(trial)
-    sensing = DepthSensing(room.mounts[0], SensorConfig(), 3, stream(0, "sensor"))
+    sensing = DepthSensing(room.mounts[0], SessionConfig(), stream(0, "sensor"))
     assert sensing.dancers.shape == (0,)
     assert sensing.visible.shape == (0, 25)
     for tick in range(4):
@@ -211,7 +215,7 @@ def test_the_record_knows_who_is_who_and_what_is_visible():
 
 def test_frame_loss_has_the_given_rate():
     view, room = stage_dance(Trial(79, 3.5))
-    sensing = DepthSensing(room.mounts[0], SensorConfig(frame_loss=0.5), 3, stream(0, "sensor"))
+    sensing = DepthSensing(room.mounts[0], SessionConfig(sensors=SensorConfig(frame_loss=0.5)), stream(0, "sensor"))
     lost = sum(sensing.sample(view) is None for _ in range(60))
     assert 15 < lost < 45
 
@@ -223,7 +227,7 @@ def test_turning_dancers_keep_left_and_right():
 
 def test_who_leaves_the_picture_goes_on_and_is_not_held_at_its_edge():
     view, room = stage_dance(Trial(77, 3.5))
-    sensing = DepthSensing(room.mounts[0], SensorConfig(), 3, stream(0, "sensor"))
+    sensing = DepthSensing(room.mounts[0], SessionConfig(), stream(0, "sensor"))
     estimator = SkeletonEstimator(sensing.intrinsics, float(room.mounts[0].position[2]))
     still = sensing.frame(view)
     x_m = np.full((115, 3), np.nan)

@@ -6,41 +6,44 @@ import numpy as np
 import pytest
 
 from sjasim.assets.names import JOINT_INDEX, JOINTS
-from sjasim.config import SensorConfig
+from sjasim.config import JointNoiseConfig, SensorConfig, SessionConfig
 from sjasim.core import INFERRED, NOT_TRACKED, TRACKED, Skeletons
 from sjasim.core.clock import stream
 from sjasim.core.registry import resolve
-from sjasim.sensors.joint_sensing import JointsSensing
+from sjasim.sensors.joint_sensing import JointSensing
 
 from .scripted import FRAME_HZ, NORTH, PLACES, Screen, Script, ScriptedView
 
-EXACT = SensorConfig(bias_m=0.0, drift_m=0.0, limb_drift_m=0.0)
-STEADY = SensorConfig(drift_m=0.0, limb_drift_m=0.0)
-DRIFTING = SensorConfig(bias_m=0.0)
+EXACT = JointNoiseConfig(bias_m=0.0, drift_m=0.0, limb_drift_m=0.0)
+STEADY = JointNoiseConfig(drift_m=0.0, limb_drift_m=0.0)
+DRIFTING = JointNoiseConfig(bias_m=0.0)
 BODY = np.array([not name.startswith(("Elbow", "Wrist", "Hand", "Thumb", "Knee", "Ankle", "Foot")) for name in JOINTS])
 
 
-def sensing(config: SensorConfig = EXACT, seed: int = 0, group: int = 3) -> JointsSensing:
-    return JointsSensing(NORTH, config, group, stream(seed, "sensors", "north"))
+def sensing(
+    noise: JointNoiseConfig = EXACT, seed: int = 0, group: int = 3, sensors: SensorConfig | None = None
+) -> JointSensing:
+    config = SessionConfig(sensing="joints", dancers=group, sensors=sensors or SensorConfig(), joint_noise=noise)
+    return JointSensing(NORTH, config, stream(seed, "sensors", "north"))
 
 
 def physics(**options: object) -> ScriptedView:
     return ScriptedView([Script(place, sway_m=0.0) for place in PLACES], **options)
 
 
-def seen(sensor: JointsSensing, view: ScriptedView) -> Skeletons:
+def seen(sensor: JointSensing, view: ScriptedView) -> Skeletons:
     skeletons = sensor.sample(view)
     assert skeletons is not None
     return skeletons
 
 
-def row(sensor: JointsSensing, dancer: int) -> int:
+def row(sensor: JointSensing, dancer: int) -> int:
     return sensor.dancers.tolist().index(dancer)
 
 
-def errors(config: SensorConfig, frames: int, seed: int = 0, screens: list[Screen] | None = None) -> np.ndarray:
+def errors(noise: JointNoiseConfig, frames: int, seed: int = 0, screens: list[Screen] | None = None) -> np.ndarray:
     """(frames, P, 25, 3) estimated minus true joints in the sensor's frame."""
-    sensor, view, out = sensing(config, seed), physics(screens=screens), []
+    sensor, view, out = sensing(noise, seed), physics(screens=screens), []
     for tick in range(frames):
         view.time_s = tick / FRAME_HZ
         true = (view.joints_m[sensor.dancers] - NORTH.position) @ NORTH.world_from_sensor
@@ -60,7 +63,7 @@ def test_without_errors_the_joints_are_the_true_ones_in_the_sensors_frame():
 
 
 def test_is_registered_under_its_name():
-    assert resolve("sensing", "joints").factory.__name__ == "JointsSensing"
+    assert resolve("sensing", "joints").factory.__name__ == "JointSensing"
 
 
 def test_frame_values_are_read_only():
@@ -124,7 +127,7 @@ def test_hidden_hand_is_inferred_and_its_error_grows_smoothly():
     size = np.linalg.norm(values, axis=1)
     assert states[29] == TRACKED
     assert set(states[30:90]) == {INFERRED}
-    assert size[89] / size[29] == pytest.approx(STEADY.hidden_factor_hand, rel=0.01)
+    assert size[89] / size[29] == pytest.approx(STEADY.occluded_factor_hand, rel=0.01)
     assert states[90] == INFERRED  # seen again, but not settled yet
     back = states.index(TRACKED, 90)
     assert (back - 90) / FRAME_HZ < 0.45
@@ -152,7 +155,7 @@ def test_what_the_body_holds_in_place_is_tracked_while_hidden_and_farther_off():
     assert not sensor.visible[row(sensor, 0), base]
     far = np.array([np.linalg.norm(errors(STEADY, 180, seed, [screen])[:, :, base], axis=2) for seed in range(10)])
     grown = far[:, -1] / far[:, 29]
-    assert grown.max() == pytest.approx(STEADY.hidden_factor, rel=0.01)
+    assert grown.max() == pytest.approx(STEADY.occluded_factor, rel=0.01)
     assert grown.min() == pytest.approx(1.0)  # the others are not hidden
 
 
@@ -192,8 +195,7 @@ def test_field_of_view_is_judged_per_joint():
 
 
 def test_frame_loss_has_the_given_rate_and_its_own_stream():
-    config = SensorConfig(frame_loss=0.1)
-    sensor, view = sensing(config), physics()
+    sensor, view = sensing(JointNoiseConfig(), sensors=SensorConfig(frame_loss=0.1)), physics()
     lost = 0
     for tick in range(3000):
         view.time_s = tick / FRAME_HZ
@@ -203,5 +205,5 @@ def test_frame_loss_has_the_given_rate_and_its_own_stream():
 
 
 def test_same_seed_same_frames():
-    assert (errors(SensorConfig(), 40, seed=3) == errors(SensorConfig(), 40, seed=3)).all()
-    assert (errors(SensorConfig(), 40, seed=3) != errors(SensorConfig(), 40, seed=4)).any()
+    assert (errors(JointNoiseConfig(), 40, seed=3) == errors(JointNoiseConfig(), 40, seed=3)).all()
+    assert (errors(JointNoiseConfig(), 40, seed=3) != errors(JointNoiseConfig(), 40, seed=4)).any()

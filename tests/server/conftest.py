@@ -17,7 +17,7 @@ from sjasim.core.tempo import TempoMap
 from sjasim.server import Server
 
 CONFIG = SessionConfig()
-LAYOUT = layout("square", 3, CONFIG.room, CONFIG.sensors)
+LAYOUT = layout(CONFIG)
 TIMETABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)
 DELAY_S = 0.02
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sjasim.assets.names import JOINTS
-from sjasim.config import BodyConfig, RobotConfig
+from sjasim.config import BodyConfig, RobotConfig, SessionConfig
 from sjasim.core import Move
 from sjasim.core.errors import SjasimError
 from sjasim.humans.body.anatomy import Build, anatomy
@@ -98,9 +98,8 @@ def test_a_robot_that_is_not_driven_stays_put():
 
 def _robot_slot():
     from sjasim.choreography.layout import layout
-    from sjasim.config import SceneConfig, SensorConfig
 
-    return layout("square", 1, SceneConfig(), SensorConfig()).robot
+    return layout(SessionConfig(dancers=1)).robot
 
 
 def test_it_bumps_where_a_contact_says_so():
@@ -143,7 +142,7 @@ def test_a_push_moves_a_dancer_and_ends():
 
 
 def test_without_a_tether_nothing_pulls():
-    dancing = floor(2, body=BodyConfig(tether="none")).run(0.3)
+    dancing = floor(2, body=BodyConfig(balance_support="none")).run(0.3)
     assert (dancing.column("tether") == 0).all()
 
 

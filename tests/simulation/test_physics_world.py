@@ -20,7 +20,7 @@ CONFIG = SessionConfig(
 
 def world(*faults, robot=True):
     config = dataclasses.replace(CONFIG, faults=faults)
-    place = layout(config.layout, config.group, config.room, config.sensors)
+    place = layout(config)
     return PhysicsWorld(config, timetable(config), place, robot=robot)
 
 
@@ -103,4 +103,4 @@ def test_every_move_is_planned_when_it_is_due_and_not_before(monkeypatch):
     assert {cue.t_s for _, cue in told} == {cue.t_s for cue in physics.cues if cue.t_s <= 14.0 + PREVIEW_S}
     for now_s, cue in told:
         due_s = max(0.0, cue.t_s - PREVIEW_S)
-        assert due_s - 1e-9 <= now_s < due_s + 1.5 / CONFIG.physics.balance_hz
+        assert due_s - 1e-9 <= now_s < due_s + 1.5 / CONFIG.physics.control_hz

@@ -47,7 +47,7 @@ def test_truth_has_one_row_per_tick_and_dancer(recorder):
     assert set(truth["x_m"][second]) == {6.0}
     assert set(truth["heading_rad"][second]) == {9.0}
     assert truth["hands_m"][:2].tolist() == [0.3, 0.0]
-    assert (truth["tether_x_n"][1], truth["tether_y_n"][1], truth["tether_torque_nm"][1]) == (3.0, 4.0, 3.0)
+    assert (truth["tether_x_n"][1], truth["tether_y_n"][1], truth["support_torque_nm"][1]) == (3.0, 4.0, 3.0)
     assert truth["load_n"][:2].tolist() == (0.5 * WEIGHTS).tolist()
     assert truth["fallen"][second].tolist() == [0] * 6 + [1] * 4
 

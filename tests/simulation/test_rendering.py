@@ -14,7 +14,7 @@ from sjasim.simulation.video import captioned
 @pytest.fixture(scope="module")
 def world():
     config = SessionConfig(iterations=1)
-    place = layout(config.layout, config.group, config.room, config.sensors)
+    place = layout(config)
     return PhysicsWorld(config, timetable(config), place, robot=True), place.mounts
 
 

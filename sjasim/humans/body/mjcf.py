@@ -205,12 +205,12 @@ def _colour(shape: Shape, index: int) -> tuple[float, ...]:
 
 def add_tether(spec: mujoco.MjSpec, build: Build, config: BodyConfig) -> None:
     """Let saturating actuators pull at the root's joints, unless the configuration wants none."""
-    if config.tether == "none":
+    if config.balance_support == "none":
         return
     scale = build.mass_kg / 75.0
     for name in TETHERED:
         stiffness, damping = (scale * gain for gain in TETHER_GAINS[name])
-        limit = config.tether_force_n if name in ("root_x", "root_y") else config.tether_torque_nm
+        limit = config.support_force_n if name in ("root_x", "root_y") else config.support_torque_nm
         pull = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         pull.gaintype = mujoco.mjtGain.mjGAIN_FIXED
         pull.biastype = mujoco.mjtBias.mjBIAS_AFFINE

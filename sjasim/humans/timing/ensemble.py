@@ -93,7 +93,7 @@ class EnsembleTiming:
         performance: np.random.Generator,
     ) -> None:
         if isinstance(dancers, bool) or not 1 <= dancers <= LARGEST_GROUP:
-            raise ConfigError("group", dancers, f"1 to {LARGEST_GROUP} dancers")
+            raise ConfigError("dancers", dancers, f"1 to {LARGEST_GROUP} dancers")
         self._p, self._timetable, self._dancers, self._rng = parameters, timetable, dancers, performance
         self._transition = parameters.transition(dancers)
         self._pull = parameters.each("robot_coupling", dancers, 0.0)

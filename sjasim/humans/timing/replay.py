@@ -210,5 +210,5 @@ def _places(agents: set[str], dancers: int, source: str) -> dict[str, int]:
         return {agent: int(agent[-1]) - 1 for agent in agents}
     if len(agents) != dancers:
         told = ", ".join(sorted(agents)) or "nobody"
-        raise ConfigError("group", dancers, f"as many as dance in {source}: {len(agents)} ({told})")
+        raise ConfigError("dancers", dancers, f"as many as dance in {source}: {len(agents)} ({told})")
     return {agent: place for place, agent in enumerate(sorted(agents, key=natural_order))}

@@ -94,7 +94,7 @@ class Recorder:
     def __init__(self, stream: rr.RecordingStream, config: SessionConfig, prefix: str = "") -> None:
         self._pen = Pen(stream, prefix)
         self._config = config
-        self._place = layout(config.layout, config.group, config.room, config.sensors)
+        self._place = layout(config)
         fix_scene(self._pen, config, self._place)
         fix_lanes(self._pen, config)
 
@@ -166,7 +166,7 @@ def _named(prefix: str, name: str) -> str:
 
 def _room(prefix: str, config: SessionConfig) -> rrb.Spatial3DView:
     eye = rrb.EyeControls3D(position=(1.7, 3.5, 2.1), look_target=(0.0, 0.0, 0.7), eye_up=(0.0, 0.0, 1.0))
-    tethers = [_at(prefix, f"world/{dancer_name(index)}/tether") for index in range(config.group)]
+    tethers = [_at(prefix, f"world/{dancer_name(index)}/tether") for index in range(config.dancers)]
     return rrb.Spatial3DView(
         origin=_at(prefix, "world"),
         overrides={entity: rrb.EntityBehavior(visible=False) for entity in tethers},

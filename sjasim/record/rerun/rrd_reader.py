@@ -37,12 +37,12 @@ def read_whole(folder: Path) -> SessionLog:
     for entity, batch in chunks(path):
         if entity.startswith("/world/dancer_") and "Points3D:positions" in batch.schema.names:
             _collect(frames, entity.removeprefix("/world/"), batch, config.sensors.rate_hz)
-    true = [frames.get(f"{dancer_name(index)}/true", []) for index in range(config.group)]
+    true = [frames.get(f"{dancer_name(index)}/true", []) for index in range(config.dancers)]
     count = max((frame + 1 for rows in true for frame, _, _ in rows), default=0)
     if not count:
         return log
-    joints = np.full((count, config.group, len(JOINTS), 3), np.nan, dtype=np.float32)
-    skeletons = np.full((count, config.group, len(JOINTS), 4), np.nan, dtype=np.float32)
+    joints = np.full((count, config.dancers, len(JOINTS), 3), np.nan, dtype=np.float32)
+    skeletons = np.full((count, config.dancers, len(JOINTS), 4), np.nan, dtype=np.float32)
     for index, rows in enumerate(true):
         for frame, places, _ in rows:
             joints[frame, index] = places

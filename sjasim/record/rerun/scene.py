@@ -98,7 +98,7 @@ def fix_scene(pen: Pen, config: SessionConfig, place: Layout) -> None:
     pen.fixed("world/floor", floor)
     links = [(JOINT_INDEX[a], JOINT_INDEX[b]) for a, b in BONES]
     keypoints = [rr.AnnotationInfo(id=index) for index in range(len(JOINTS))]
-    colours = [dancer_colour(index) for index in range(config.group)] + [WHITE]
+    colours = [dancer_colour(index) for index in range(config.dancers)] + [WHITE]
     classes = [
         rr.ClassDescription(
             info=rr.AnnotationInfo(id=index, color=colour),
@@ -109,8 +109,8 @@ def fix_scene(pen: Pen, config: SessionConfig, place: Layout) -> None:
     ]
     classes.append(rr.ClassDescription(info=rr.AnnotationInfo(id=len(colours), color=MAGENTA)))
     pen.fixed("world", rr.AnnotationContext(classes))
-    for index in range(config.group):
-        fix_dancer(pen, index, config.group)
+    for index in range(config.dancers):
+        fix_dancer(pen, index, config.dancers)
     if config.method != "none":
         fix_robot(pen)
     for mount in place.mounts:
@@ -177,7 +177,7 @@ def send_sensors(pen: Pen, log: SessionLog, place: Layout, span: Span) -> None:
 
 def send_dancers(pen: Pen, log: SessionLog, config: SessionConfig, span: Span) -> None:
     """Bodies and skeletons, or points where dancers stood when no joints were recorded."""
-    for index in range(config.group):
+    for index in range(config.dancers):
         entity = f"world/{dancer_name(index)}"
         if log.joints is not None and index < log.joints.shape[1]:
             times = np.arange(len(log.joints)) / config.sensors.rate_hz
@@ -193,8 +193,8 @@ def send_dancers(pen: Pen, log: SessionLog, config: SessionConfig, span: Span) -
 
 def send_tethers(pen: Pen, log: SessionLog, config: SessionConfig, span: Span) -> None:
     """The horizontal force of every dancer's tether, an arrow at the pelvis."""
-    every = max(1, config.stage.truth_hz // TETHER_HZ)
-    for index in range(config.group if len(log.truth.get("t_s", ())) else 0):
+    every = max(1, config.physics.ground_truth_hz // TETHER_HZ)
+    for index in range(config.dancers if len(log.truth.get("t_s", ())) else 0):
         mine = np.flatnonzero(log.truth["dancer"] == index)[::every]
         times = np.asarray(log.truth["t_s"], dtype=np.float64)[mine]
         rows = mine[span.rows(times)]

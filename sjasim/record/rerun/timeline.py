@@ -40,7 +40,7 @@ Mark = tuple[float, float, str]
 def lane_names(config: SessionConfig) -> list[str]:
     """Every lane, from top to bottom."""
     lanes = ["iteration", "active_sensor"]
-    for index in range(config.group):
+    for index in range(config.dancers):
         lanes += [f"{dancer_name(index)}/{part}" for part in ("planned", "seen")]
     return (
         lanes if config.method == "none" else [*lanes, "robot/follows", "robot/command", "robot/moved", "robot/timing"]
@@ -97,7 +97,7 @@ def send_lane(pen: Pen, name: str, marks: Sequence[Mark], span: Span) -> None:
 
 def fix_lanes(pen: Pen, config: SessionConfig) -> None:
     """Colours of the lanes' states."""
-    dancers = {dancer_name(index): dancer_colour(index) for index in range(config.group)}
+    dancers = {dancer_name(index): dancer_colour(index) for index in range(config.dancers)}
     known = {**STATES, **dancers, "nobody": GREY}
     for name in lane_names(config):
         values = list(known)

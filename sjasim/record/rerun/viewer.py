@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import socket
 import subprocess
 import sys
@@ -164,3 +165,13 @@ def free_port() -> int:
     with socket.socket() as door:
         door.bind((HERE, 0))
         return int(door.getsockname()[1])
+
+
+def check_display(instead: str) -> None:
+    """Make sure that a window can be opened.
+
+    Raises:
+        RecordError: there is no display; ``instead`` says what to do.
+    """
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise RecordError(f"there is no display for rerun's viewer; {instead}")

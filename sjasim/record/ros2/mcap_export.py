@@ -128,7 +128,7 @@ def _commands(log: SessionLog, config: SessionConfig) -> Iterator[Message]:
 def _sensors(config: SessionConfig) -> Iterator[Message]:
     """The sensors' optical frames: right, down, forward."""
     transforms = []
-    for mount in layout(config.layout, config.group, config.room, config.sensors).mounts:
+    for mount in layout(config).mounts:
         turn = mount.world_from_sensor * np.array([-1.0, -1.0, 1.0])
         x, y, z = (float(value) for value in mount.position)
         transforms.append({

@@ -5,7 +5,7 @@ together for a while; which of the small numbers of that while is the least is c
 minimum is where the ratio falls by less than `STILL_RATIO` between frames.
 
 The event comes with the frame after the minimum. Hands must have been apart (above `APART_RATIO`) since the last clap,
-which must be ``clap_rest_s`` ago: hands held together clap once. A hand that was inferred to be apart from the other,
+which must be ``clap_refractory_s`` ago: hands held together clap once. A hand that was inferred to be apart from the other,
 behind somebody's arm, say, and comes into sight on its way was so if it is then seen farther off than `MIDWAY_RATIO`.
 Touching hands hide each other, so they may be inferred as they meet, if they were last tracked nearer than
 `NEAR_RATIO`. A time longer than a memory's without tracked hands forgets everything, so that hands that jump into sight
@@ -28,7 +28,7 @@ MIDWAY_RATIO = 0.4
 """Hands in sight farther apart than this do not touch: they may yet come together (assumed)."""
 
 NEAR_RATIO = 1.0
-"""Hands nearer than this may clap: early starts are disarmed until ``clap_rest_s`` after it, also when the clap
+"""Hands nearer than this may clap: early starts are disarmed until ``clap_refractory_s`` after it, also when the clap
 itself stayed hidden; and tracked hands that come so near have been seen to close (assumed)."""
 
 TOUCHING_RATIO, STILL_RATIO = 0.3, 0.03
@@ -83,7 +83,7 @@ def met_s(hands: Record, t_s: float, ratio: float, tracked: bool, memory_s: floa
     before, least, t_least_s = hands.ratio_before, hands.ratio, hands.t_ratio_s
     hands.ratio_before, hands.ratio, hands.t_ratio_s = least, ratio, t_s
     lowest = before >= least and least < ratio + (STILL_RATIO if least < TOUCHING_RATIO else 0.0)
-    rested = t_s - hands.t_clap_s >= rules.clap_rest_s
+    rested = t_s - hands.t_clap_s >= rules.clap_refractory_s
     if hands.apart and hands.near and lowest and least < rules.clap_ratio and rested:
         hands.t_clap_s = t_s
         hands.apart = False
@@ -96,4 +96,4 @@ def met_s(hands: Record, t_s: float, ratio: float, tracked: bool, memory_s: floa
 @njit(cache=True)
 def clapping(hands: Record, t_s: float, rules: Record) -> bool:
     """Whether a clap may be under way or just over."""
-    return bool(t_s - hands.t_near_s < rules.clap_rest_s)
+    return bool(t_s - hands.t_near_s < rules.clap_refractory_s)

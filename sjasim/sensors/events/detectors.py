@@ -69,7 +69,7 @@ def _judge(
     ring, back = len(times), rule.difference_frames
     now, before, oldest = frame % ring, (frame - min(rule.step_frames, frame)) % ring, (frame - back) % ring
     times[now] = t_s
-    floor_m = rule.early_step_m * BASE_HZ * (t_s - times[before])
+    floor_m = rule.early_displacement_m * BASE_HZ * (t_s - times[before])
     span_s = t_s - times[oldest] if frame >= back else 0.0
     count = 0
     for p in range(len(joints)):

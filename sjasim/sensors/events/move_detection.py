@@ -1,11 +1,11 @@
 """When one person starts and stops, regular and early events: the rules of the paper's motions, compiled.
 
-Regular: the speed exceeds ``on_m_s``, at the earliest ``min_hold_s`` after the last stop; it falls below ``off_m_s``,
+Regular: the speed exceeds ``start_speed_m_s``, at the earliest ``min_hold_s`` after the last stop; it falls below ``stop_speed_m_s``,
 at the earliest ``min_move_s`` after the start.
 
-Early start: while standing, at least ``early_rest_s`` after the stop, in ``early_frames`` consecutive frames at least
+Early start: while standing, at least ``early_refractory_s`` after the stop, in ``early_frames`` consecutive frames at least
 ``early_joints`` of the four upper joints move by more than the floor in the same direction, which tells the kind:
-nobody has to know the expected move. It is sent once and armed again after ``early_rest_s``. Early stop: while moving,
+nobody has to know the expected move. It is sent once and armed again after ``early_refractory_s``. Early stop: while moving,
 after ``early_move_share`` of the duration of the person's last move of that kind, fewer than ``early_joints`` do so in
 as many frames; never if no such move has been logged, nor with too few joints tracked to tell. At a brisk start or stop
 the early event may come in the same frame as the regular one, and before it.
@@ -92,7 +92,7 @@ def judge(person: Record, t_s: float, seen: Record, span_s: float, busy: bool, r
         _enter(person, UNSETTLED, -inf)
         person.t_sway_s = -inf
     if person.phase == UNSETTLED:
-        if not (aside or isnan(seen.yaw_rad)) and abs(seen.speed_m_s) < rules.off_m_s:
+        if not (aside or isnan(seen.yaw_rad)) and abs(seen.speed_m_s) < rules.stop_speed_m_s:
             _enter(person, STANDING, t_s)
     elif person.phase != STANDING:
         early = _early_stop(person, t_s, seen, rules)
@@ -113,7 +113,7 @@ def _missed_out(person: Record, t_s: float, seen: Record, rules: Record) -> bool
         return False
     lost = t_s - person.t_known_s > LOST_S
     person.t_known_s = t_s
-    going = abs(person.phase) == FORWARD and person.phase * seen.speed_m_s >= rules.off_m_s
+    going = abs(person.phase) == FORWARD and person.phase * seen.speed_m_s >= rules.stop_speed_m_s
     return bool(lost and not going)
 
 
@@ -128,7 +128,7 @@ def _enter(person: Record, phase: int, t_s: float) -> None:
 @njit(cache=True)
 def _start(person: Record, t_s: float, seen: Record, rules: Record) -> int:
     rested_s = t_s - person.t_phase_s + _ROUNDING_S
-    if not (abs(seen.speed_m_s) > rules.on_m_s and rested_s >= rules.min_hold_s):
+    if not (abs(seen.speed_m_s) > rules.start_speed_m_s and rested_s >= rules.min_hold_s):
         return NOTHING
     phase = FORWARD if seen.speed_m_s > 0.0 else BACKWARD
     _enter(person, phase, t_s)
@@ -140,7 +140,7 @@ def _early_start(person: Record, t_s: float, seen: Record, busy: bool, rules: Re
     rested_s = t_s - person.t_phase_s + _ROUNDING_S
     if abs(seen.yaw_rate_rad_s) > SWAYING_RAD_S:
         person.t_sway_s = t_s
-    if busy or t_s - person.t_sway_s < SWAY_S or min(rested_s, t_s - person.t_early_s) < rules.early_rest_s:
+    if busy or t_s - person.t_sway_s < SWAY_S or min(rested_s, t_s - person.t_early_s) < rules.early_refractory_s:
         person.run = 0
         return NOTHING
     sign = int(seen.towards >= rules.early_joints) - int(seen.away >= rules.early_joints)
@@ -154,7 +154,7 @@ def _early_start(person: Record, t_s: float, seen: Record, busy: bool, rules: Re
 @njit(cache=True)
 def _stop(person: Record, t_s: float, seen: Record, rules: Record) -> int:
     phase, moved_s = person.phase, t_s - person.t_phase_s + _ROUNDING_S
-    if not (moved_s >= rules.min_move_s and phase * seen.speed_m_s < rules.off_m_s):
+    if not (moved_s >= rules.min_move_s and phase * seen.speed_m_s < rules.stop_speed_m_s):
         return NOTHING
     if phase == FORWARD:
         person.forward_s = t_s - person.t_phase_s

@@ -13,7 +13,7 @@ from ...config import DetectorConfig
 from ...core import INFERRED, NOT_TRACKED, TRACKED, Array, Kind, RecordedJoints, SkeletonFrame, Skeletons
 from ...core.errors import RecordError
 from ..events.detectors import Detectors
-from .interpolation import BRIDGE_S, SMOOTH_S
+from .interpolation import BRIDGE_S, SMOOTH_S, preprocess
 from .validation import check_units
 
 

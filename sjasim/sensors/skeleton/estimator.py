@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ...assets.names import JOINTS
-from ...config import MOST_SEEN
+from ...config import MAX_TRACKED_PERSONS
 from ...core import INFERRED, NOT_TRACKED, TRACKED, Array, Skeletons
 from ...core.errors import SjasimError
 from ..depth_camera import Intrinsics
@@ -105,7 +105,7 @@ class SkeletonEstimator:
         self._intrinsics = intrinsics
         self._height_m, self._far_m = height_m, far_m
         self._model = unpacked(model or default())
-        self._votes = Votes(self._model, MOST_SEEN)
+        self._votes = Votes(self._model, MAX_TRACKED_PERSONS)
         self._scene = Foreground.room(intrinsics)
         self._lens = hand_localization.lens(intrinsics, height_m)
         self._per_pixel = 1.0 / (intrinsics.fx * intrinsics.fy)
@@ -155,7 +155,7 @@ class SkeletonEstimator:
         strange = segmentation.strangers(self._scene, self._intrinsics, area, person_tracking.REACH_M)
         if strange:
             for x, z in person_tracking.found_again(strange, self._persons):
-                if len(self._persons) < MOST_SEEN and not self._half_out(x, z):
+                if len(self._persons) < MAX_TRACKED_PERSONS and not self._half_out(x, z):
                     self._persons.append(Person(self._next, np.array([x, z])))
                     self._next += 1
             self._share()

@@ -33,13 +33,13 @@ def test_servos_are_about_critically_damped():
 
 
 def test_the_tether_pulls_at_all_but_the_vertical_and_never_harder_than_allowed():
-    one = model(config=BodyConfig(tether_force_n=33.0, tether_torque_nm=11.0))
+    one = model(config=BodyConfig(support_force_n=33.0, support_torque_nm=11.0))
     for name in TETHERED:
         limit = 33.0 if name in ("root_x", "root_y") else 11.0
         assert one.actuator(name).forcerange == pytest.approx([-limit, limit])
     assert one.nu == len(ACTUATED) + len(TETHERED)
     assert "root_z" not in [one.actuator(k).name for k in range(one.nu)]
-    assert model(config=BodyConfig(tether="none")).nu == len(ACTUATED)
+    assert model(config=BodyConfig(balance_support="none")).nu == len(ACTUATED)
 
 
 def meet(a, b) -> bool:

@@ -17,7 +17,7 @@ from sjasim.humans.timing.parameters import preset, preset_names
 from ..dancing import dance
 from .test_ensemble import deviations, draw, times
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 def performed(name: str, count: int = 600, dancers: int = 3) -> np.ndarray:

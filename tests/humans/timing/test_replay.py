@@ -155,7 +155,7 @@ def test_what_nobody_can_do_is_named(rows, says):
 
 
 def test_a_group_of_another_size_is_refused():
-    with pytest.raises(ConfigError, match=r"group = 3 .*as many as dance in events.csv: 2 \(p1, p2\)"):
+    with pytest.raises(ConfigError, match=r"dancers = 3 .*as many as dance in events.csv: 2 \(p1, p2\)"):
         Replay(score(agents=("p1", "p2")), "events.csv", TABLE, 3)
     with pytest.raises(ConfigError, match="nobody"):
         Replay([], "events.csv", TABLE, 3)

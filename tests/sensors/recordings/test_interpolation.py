@@ -8,6 +8,7 @@ import pytest
 import sjasim
 from sjasim.core import Kind
 from sjasim.core.errors import ConfigError
+from sjasim.sensors.recordings.interpolation import gaussian_smooth, interpolate_gaps
 
 from .scripted_recordings import Flaws, judged, record
 

@@ -38,7 +38,7 @@ def test_every_number_has_limits_and_its_refusal_names_it(room):
         ({"iterations": 0}, "iterations"),
         ({"seed": -1}, "seed"),
         ({"seed": 1.5}, "seed"),
-        ({"group": 9}, "group"),
+        ({"dancers": 9}, "dancers"),
         ({"fidelity": "exact"}, "fidelity"),
         ({"layout": "circle"}, "layout"),
     ],
@@ -65,16 +65,16 @@ def test_faults_are_of_known_kinds_and_sizes():
 
 
 def test_without_a_tether_balance_is_fast_unless_rates_are_given():
-    free = BodyConfig(tether="none")
-    assert SessionConfig(body=free).stage.balance_hz == 240
-    assert SessionConfig(body=free, stage=PhysicsConfig(rate_hz=300, balance_hz=100)).stage.balance_hz == 100
-    assert SessionConfig().stage.balance_hz == 50
-    logged = SessionConfig(body=free, stage=PhysicsConfig(truth_hz=25)).stage
-    assert logged == PhysicsConfig(rate_hz=240, balance_hz=240, truth_hz=25)
+    free = BodyConfig(balance_support="none")
+    assert SessionConfig(body=free).physics.control_hz == 240
+    assert SessionConfig(body=free, physics=PhysicsConfig(rate_hz=300, control_hz=100)).physics.control_hz == 100
+    assert SessionConfig().physics.control_hz == 50
+    logged = SessionConfig(body=free, physics=PhysicsConfig(ground_truth_hz=25)).physics
+    assert logged == PhysicsConfig(rate_hz=240, control_hz=240, ground_truth_hz=25)
 
 
 def test_depth_sensing_follows_six_people_and_says_so():
-    assert SessionConfig(group=6).group == 6
-    assert SessionConfig(group=8, sensing="joints").group == 8
-    with pytest.raises(ConfigError, match="group = 7 is not allowed: at most 6 with depth sensing"):
-        SessionConfig(group=7)
+    assert SessionConfig(dancers=6).dancers == 6
+    assert SessionConfig(dancers=8, sensing="joints").dancers == 8
+    with pytest.raises(ConfigError, match="dancers = 7 is not allowed: at most 6 with depth sensing"):
+        SessionConfig(dancers=7)

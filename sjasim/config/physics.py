@@ -1,0 +1,28 @@
+"""Rates of the physics simulation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .checks import within
+
+
+@dataclass(frozen=True, slots=True)
+class PhysicsConfig:
+    """Physics.
+
+    Attributes:
+        rate_hz: physics steps per second; 150 is a multiple of cameras', odometry's and balance's rates.
+        control_hz: rate of the balance controller and the joint targets.
+        ground_truth_hz: rate at which the true state is logged, or a little more: a whole number of balance's steps lies
+            between two rows (without a tether 50 becomes 60).
+    """
+
+    rate_hz: int = 150
+    control_hz: int = 50
+    ground_truth_hz: int = 50
+
+    def __post_init__(self) -> None:
+        within("physics.rate_hz", self.rate_hz, 120, 2000)
+        within("physics.control_hz", self.control_hz, 20, self.rate_hz)
+        within("physics.ground_truth_hz", self.ground_truth_hz, 10, self.rate_hz)

@@ -1,0 +1,54 @@
+"""The depth sensors."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..core.errors import ConfigError
+from .checks import within
+
+MAX_TRACKED_PERSONS = 6
+"""Largest number of persons that depth sensing tracks, as in a Kinect v2."""
+
+
+@dataclass(frozen=True, slots=True)
+class SensorConfig:
+    """Four Kinect v2 sensors; their images under ``depth`` sensing, the error of their skeletons under ``joints``.
+
+    Attributes:
+        rate_hz: frame rate.
+        status_hz: rate of client status reports.
+        standby_hz: frame rate of a client that idles, at most that of its reports; those between say only that it lives.
+        latency_frames: frames between capture and the moment the client has processed it (Kinect v2: about 2).
+        horizontal_fov_rad: field of view, 70.6 degrees.
+        vertical_fov_rad: 60 degrees.
+        min_range_m: nearest tracked person.
+        max_range_m: farthest tracked person; who sways out of it is inferred.
+        frame_loss: probability that a frame is never delivered.
+        width_px: columns of a depth image: 512 (512 x 424) or 256 (256 x 212).
+    """
+
+    rate_hz: int = 30
+    status_hz: int = 5
+    standby_hz: int = 2
+    latency_frames: int = 2
+    horizontal_fov_rad: float = math.radians(70.6)
+    vertical_fov_rad: float = math.radians(60.0)
+    min_range_m: float = 0.5
+    max_range_m: float = 4.5
+    frame_loss: float = 0.0
+    width_px: int = 256
+
+    def __post_init__(self) -> None:
+        within("sensors.rate_hz", self.rate_hz, 5, 120)
+        within("sensors.status_hz", self.status_hz, 1, self.rate_hz)
+        within("sensors.standby_hz", self.standby_hz, 1, self.rate_hz)
+        within("sensors.latency_frames", self.latency_frames, 0, 30)
+        within("sensors.horizontal_fov_rad", self.horizontal_fov_rad, 0.2, 3.0)
+        within("sensors.vertical_fov_rad", self.vertical_fov_rad, 0.2, 3.0)
+        within("sensors.min_range_m", self.min_range_m, 0.0, 2.0)
+        within("sensors.max_range_m", self.max_range_m, 2.0, 20.0)
+        within("sensors.frame_loss", self.frame_loss, 0.0, 0.9)
+        if self.width_px not in (256, 512):
+            raise ConfigError("sensors.width_px", self.width_px, "256 or 512")

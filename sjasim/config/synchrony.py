@@ -1,0 +1,23 @@
+"""The synchrony measures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .checks import within
+
+
+@dataclass(frozen=True, slots=True)
+class SynchronyConfig:
+    """The synchrony measures.
+
+    Attributes:
+        tau_s: window of an event pair (iqbal2016: .25 s).
+        one_to_one: match events one to one, which bounds Q by 1; the paper's own equation does not.
+    """
+
+    tau_s: float = 0.25
+    one_to_one: bool = False
+
+    def __post_init__(self) -> None:
+        within("synchrony.tau_s", self.tau_s, 0.001, 5.0)
