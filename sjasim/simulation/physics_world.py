@@ -37,7 +37,8 @@ from ..humans.motion.planner import PREVIEW_S, Planner
 from ..humans.motion.reference_trajectory import ReferenceTrajectory
 from ..humans.timing.ensemble import SOONEST_S
 from ..humans.timing.replay import Replay
-from ..sensors.client import ROUNDING_S, Client, Sensing
+from ..sensors.client import ROUNDING_S, SensorClient
+from ..sensors.skeleton_source import SkeletonSource
 from ..session.session import Session
 from ..session.world import Inward, Outward
 from .cast import felt_error_s, people, performed_cues, person
@@ -121,7 +122,7 @@ class PhysicsWorld:
 
     def _equip(self, config: SessionConfig, layout: Layout, robot: bool) -> None:
         ticks = self.physics.ticks
-        self.sensing: dict[str, Sensing] = {}
+        self.sensing: dict[str, SkeletonSource] = {}
         self._mounts = {mount.name: mount for mount in layout.mounts}
         self._clients = {mount.name: self._client(config, layout, index) for index, mount in enumerate(layout.mounts)}
         self._balance_hz = config.physics.control_hz
@@ -139,7 +140,7 @@ class PhysicsWorld:
                 self.physics, config.robot, pose, stream(config.seed, "robot", "gyro"), self.recorder
             )
 
-    def _client(self, config: SessionConfig, layout: Layout, index: int) -> Client:
+    def _client(self, config: SessionConfig, layout: Layout, index: int) -> SensorClient:
         mount = layout.mounts[index]
         rng = stream(config.seed, "clock", mount.name)
         faults = {fault.kind: fault for fault in config.faults if fault.target == mount.name}
@@ -150,11 +151,11 @@ class PhysicsWorld:
             jump_at_s=jump.t_s,
             jump_s=jump.value,
         )
-        factory = cast("Callable[..., Sensing]", resolve("sensing", config.sensing).factory)
+        factory = cast("Callable[..., SkeletonSource]", resolve("sensing", config.sensing).factory)
         rng = stream(config.seed, "sensors", config.sensing, mount.name)
         sensing = self.sensing[mount.name] = factory(mount, config, rng)
         dead_from_s = faults["dead_sensor"].t_s if "dead_sensor" in faults else math.inf
-        return Client(mount, sensing, config.detectors, config.sensors, clock, dead_from_s=dead_from_s)
+        return SensorClient(mount, sensing, config.detectors, config.sensors, clock, dead_from_s=dead_from_s)
 
     @property
     def time_s(self) -> float:
@@ -168,7 +169,7 @@ class PhysicsWorld:
     def deliver(self, now_s: float, t_arrival_s: float, message: Inward) -> SyncReply | None:
         """See `World`."""
         if not isinstance(message, MoveCommand):
-            return self._clients[message.sensor].receive(t_arrival_s, message, now_s)
+            return self._clients[message.sensor].handle_message(t_arrival_s, message, now_s)
         if now_s < self._dead_from_s:
             self.robot.receive(now_s, message)
         return None
@@ -191,7 +192,7 @@ class PhysicsWorld:
 
     def latest(self, sensor: str) -> SkeletonFrame | None:
         """The last frame that a sensor's client has processed."""
-        return self._clients[sensor].latest
+        return self._clients[sensor].latest_frame
 
     def _fire(self, tick: int, now: float) -> None:
         """Do everything that is due at this tick, before the physics goes on."""
@@ -230,12 +231,12 @@ class PhysicsWorld:
         soon = now + ROUNDING_S
         for name, client in self._clients.items():
             if client.next_capture_s <= soon:
-                skeletons = client.capture(now, self.physics)
+                skeletons = client.capture_frame(now, self.physics)
                 if name == self.active and skeletons is not None:
                     self.recorder.estimate(skeletons, self.sensing[name].dancers, self._mounts[name])
             if client.next_output_s <= soon:
-                self._outbox.extend(client.outputs(now))
-        sensing, watches = self.sensing[self.active], self._clients[self.active].watches(now)
+                self._outbox.extend(client.pop_messages(now))
+        sensing, watches = self.sensing[self.active], self._clients[self.active].is_detecting(now)
         self.recorder.see(self.physics.joints_m, sensing.visible if watches else None, sensing.dancers)
         for watch in self.watchers:
             watch(now)

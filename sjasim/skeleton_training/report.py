@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..config import DetectorConfig, SensorConfig
 from ..core import TRACKED, Array, DeviceEvent, Kind, SkeletonFrame, Skeletons
-from ..sensors.events.detectors import Detectors
+from ..sensors.events.detectors import EventDetector
 from .scenes import RATE_HZ
 from .trials import WARM_FRAMES, Outcome
 
@@ -131,7 +131,7 @@ class Tally:
 
 def detected(joints: Array, state: NDArray[np.int8]) -> list[DeviceEvent]:
     """Events of one person's skeletons (T, 25, 3) and states (T, 25), by the clients' own detectors."""
-    detectors = Detectors(DetectorConfig(), SensorConfig().rate_hz)
+    detectors = EventDetector(DetectorConfig(), SensorConfig().rate_hz)
     persons = np.zeros(1, dtype=np.int64)
     out: list[DeviceEvent] = []
     for tick in range(len(joints)):

@@ -12,7 +12,7 @@ from sjasim.choreography.layout import Mount, layout
 from sjasim.config import DetectorConfig, JointNoiseConfig, SensorConfig, SessionConfig
 from sjasim.core import ClientOrder, DeviceEvent, Kind, Solids
 from sjasim.core.clock import DeviceClock, stream
-from sjasim.sensors.client import Client
+from sjasim.sensors.client import SensorClient
 from sjasim.sensors.joint_sensing import JointSensing
 from sjasim.sensors.raycast.occlusion import shapes
 from sjasim.sensors.raycast.primitives import SPHERE
@@ -164,30 +164,32 @@ def client(
     clock: DeviceClock | None = None,
     mount: Mount = NORTH,
     **options: float,
-) -> Client:
+) -> SensorClient:
     sensors = sensors or SensorConfig()
     sensing = JointSensing(
         mount,
         SessionConfig(sensors=sensors, joint_noise=joint_noise or JointNoiseConfig(), dancers=group, sensing="joints"),
         stream(seed, "sensors", mount.name),
     )
-    return Client(mount, sensing, DetectorConfig(), sensors, clock or DeviceClock(), **options)
+    return SensorClient(mount, sensing, DetectorConfig(), sensors, clock or DeviceClock(), **options)
 
 
-def watch(view: ScriptedView, until_s: float, watcher: Client | None = None, from_s: float = 0.0) -> list[DeviceEvent]:
+def watch(
+    view: ScriptedView, until_s: float, watcher: SensorClient | None = None, from_s: float = 0.0
+) -> list[DeviceEvent]:
     """Let a client watch a scripted view; its events, persons replaced by the dancers' indices."""
     watcher = watcher or client(group=len(view.scripts))
-    watcher.receive(from_s, ClientOrder(watcher.name, True), from_s)
+    watcher.handle_message(from_s, ClientOrder(watcher.name, True), from_s)
     messages: list[object] = []
     for tick in range(round(from_s * FRAME_HZ), round(until_s * FRAME_HZ)):
-        watcher.capture(tick / FRAME_HZ, view.at(tick / FRAME_HZ))
-        messages += watcher.outputs(tick / FRAME_HZ)
+        watcher.capture_frame(tick / FRAME_HZ, view.at(tick / FRAME_HZ))
+        messages += watcher.pop_messages(tick / FRAME_HZ)
     return [message for message in messages if isinstance(message, DeviceEvent)]
 
 
-def dancers(watcher: Client) -> list[int]:
+def dancers(watcher: SensorClient) -> list[int]:
     """Which dancer is behind each person (for tests only)."""
-    return watcher._sensing.dancers.tolist()  # type: ignore[attr-defined]
+    return watcher._source.dancers.tolist()  # type: ignore[attr-defined]
 
 
 def match(

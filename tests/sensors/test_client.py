@@ -22,8 +22,8 @@ def run(watcher: object, view: ScriptedView, from_tick: int, to_tick: int) -> li
     messages = []
     for tick in range(from_tick, to_tick):
         t_s = tick / FRAME_HZ
-        watcher.capture(t_s, view.at(t_s))
-        messages += [(t_s, message) for message in watcher.outputs(t_s)]
+        watcher.capture_frame(t_s, view.at(t_s))
+        messages += [(t_s, message) for message in watcher.pop_messages(t_s)]
     return messages
 
 
@@ -51,7 +51,7 @@ def test_an_idle_client_takes_few_frames_and_reports_status_only():
 
 def test_a_watching_client_takes_every_frame_and_reports_status_as_often():
     watcher = client()
-    watcher.receive(0.0, ClientOrder("north", True), 0.0)
+    watcher.handle_message(0.0, ClientOrder("north", True), 0.0)
     view = Counting(walkers().scripts)
     messages = [message for _, message in run(watcher, view, 0, 150)]
     assert view.frames == 150
@@ -91,30 +91,30 @@ def test_persons_out_of_range_are_left_out_of_the_status():
 
 def test_messages_are_stamped_with_the_device_clock_when_ready():
     watcher = client(clock=CLOCK)
-    watcher.receive(0.0, ClientOrder("north", True), 0.0)
+    watcher.handle_message(0.0, ClientOrder("north", True), 0.0)
     for t_s, message in run(watcher, walkers(), 0, 150):
         assert message.t_device_s == pytest.approx(CLOCK.reading(t_s), abs=1e-9)
 
 
 def test_a_late_call_still_stamps_the_moment_of_readiness():
     watcher, view = client(clock=CLOCK), walkers()
-    watcher.capture(0.0, view.at(0.0))
+    watcher.capture_frame(0.0, view.at(0.0))
     assert watcher.next_output_s == pytest.approx(2 / FRAME_HZ)
-    assert watcher.outputs(0.05) == []
-    (status,) = watcher.outputs(1.0)
+    assert watcher.pop_messages(0.05) == []
+    (status,) = watcher.pop_messages(1.0)
     assert status.t_device_s == pytest.approx(CLOCK.reading(2 / FRAME_HZ), abs=1e-12)
     assert watcher.next_output_s == math.inf
 
 
 def test_clock_exchange_carries_device_stamps():
-    reply = client(clock=CLOCK).receive(5.0, SyncRequest("north", 4.98), 5.0)
+    reply = client(clock=CLOCK).handle_message(5.0, SyncRequest("north", 4.98), 5.0)
     assert reply == SyncReply("north", 4.98, CLOCK.reading(5.0), CLOCK.reading(5.0))
 
 
 def test_a_clock_that_jumps_changes_stamps_but_no_event():
     def kinds(clock: DeviceClock) -> list[tuple[object, bool]]:
         watcher = client(clock=clock)
-        watcher.receive(0.0, ClientOrder("north", True), 0.0)
+        watcher.handle_message(0.0, ClientOrder("north", True), 0.0)
         messages = [message for _, message in run(watcher, walkers(), 0, 150)]
         return [(m.kind, m.early) for m in messages if isinstance(m, DeviceEvent)]
 
@@ -127,25 +127,25 @@ def test_a_dead_client_is_silent():
     watcher = client(dead_from_s=2.0)
     messages = run(watcher, walkers(), 0, 120)
     assert max(t for t, _ in messages) < 2.0
-    assert watcher.receive(1.9, SyncRequest("north", 1.88), 1.9) is not None
-    assert watcher.receive(2.0, SyncRequest("north", 1.98), 2.0) is None
+    assert watcher.handle_message(1.9, SyncRequest("north", 1.88), 1.9) is not None
+    assert watcher.handle_message(2.0, SyncRequest("north", 1.98), 2.0) is None
 
 
 def test_orders_switch_detection_and_repeats_change_nothing():
     watcher, view = client(), walkers()
     run(watcher, view, 0, 30)
-    watcher.receive(1.0, ClientOrder("north", True), 1.0)
+    watcher.handle_message(1.0, ClientOrder("north", True), 1.0)
     messages = run(watcher, view, 30, 75)
-    watcher.receive(2.5, ClientOrder("north", True), 2.5)
+    watcher.handle_message(2.5, ClientOrder("north", True), 2.5)
     messages += run(watcher, view, 75, 90)
     assert sum(isinstance(message, DeviceEvent) for _, message in messages) == 6
-    watcher.receive(3.0, ClientOrder("north", False), 3.0)
-    assert not watcher.watching
+    watcher.handle_message(3.0, ClientOrder("north", False), 3.0)
+    assert not watcher.detecting
     assert all(isinstance(message, ClientStatus) for _, message in run(watcher, view, 90, 150))
 
 
 def test_a_lost_frame_delays_the_status_it_should_have_carried():
     watcher = client(sensors=SensorConfig(frame_loss=0.5))
-    watcher.receive(0.0, ClientOrder(NORTH.name, True), 0.0)
+    watcher.handle_message(0.0, ClientOrder(NORTH.name, True), 0.0)
     messages = run(watcher, walkers(), 0, 300)
     assert sum(isinstance(message, ClientStatus) for _, message in messages) >= 47

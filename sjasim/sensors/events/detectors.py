@@ -94,7 +94,7 @@ def _note(found: Records, count: int, row: int, event: int, early: bool, t_onset
     return count + 1
 
 
-class Detectors:
+class EventDetector:
     """All persons' detectors of one client.
 
     Args:
@@ -115,7 +115,7 @@ class Detectors:
         """Begin anew: nobody has been seen standing yet. Logged durations of moves are kept."""
         self._persons = None
 
-    def learn(self, durations: Iterable[MoveDuration]) -> None:
+    def set_durations(self, durations: Iterable[MoveDuration]) -> None:
         """Take over durations of moves that other clients logged."""
         for known in durations:
             self._lasted_s[known.person, known.start] = known.duration_s

@@ -16,7 +16,7 @@ from ...assets.names import JOINT_INDEX
 from ...core import TRACKED, Array
 from .thresholds import Record, Records
 
-BASE, MID, NECK, LEFT, RIGHT, HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT = (
+SPINE_BASE, MID, NECK, LEFT, RIGHT, HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT = (
     JOINT_INDEX[name]
     for name in (
         "SpineBase", "SpineMid", "Neck", "ShoulderLeft", "ShoulderRight", "HandLeft", "HandRight", "HipLeft",
@@ -92,30 +92,9 @@ def look(
             away += way < -floor_m
     seen.towards, seen.away, seen.tracked = towards, away, tracked
     seen.hands = int(state[HAND_LEFT] == TRACKED) + int(state[HAND_RIGHT] == TRACKED)
-    seen.hand_ratio, seen.yaw_rad, seen.base_m = _hand_ratio(joints), yaw_rad(joints), joints[BASE, 2]
+    seen.hand_ratio, seen.yaw_rad, seen.base_m = _hand_ratio(joints), yaw_rad(joints), joints[SPINE_BASE, 2]
     seen.speed_m_s = seen.yaw_rate_rad_s = nan
     if span_s > 0.0:
         seen.speed_m_s = (oldest.base_m - seen.base_m) / span_s
         turned = seen.yaw_rad - oldest.yaw_rad
         seen.yaw_rate_rad_s = (turned - tau * np.rint(turned / tau)) / span_s
-
-
-@njit(cache=True)
-def report(joints: Array, state: NDArray[np.int8], pose: Array, bearing_rad: float, out: Array) -> None:
-    """Write where everybody stands in the world: x, y [m], yaw [rad], and the shares of tracked joints and hands.
-
-    Args:
-        joints: (P, 25, 3) in the sensor's frame [m].
-        state: (P, 25) tracking states.
-        pose: (3, 4) rotation and position of the sensor in the world.
-        bearing_rad: heading of someone who faces the sensor.
-        out: (P, 5) output; NaN where SpineBase or a hip is not known.
-    """
-    for p in range(len(joints)):
-        base = joints[p, BASE]
-        for k in range(2):
-            out[p, k] = pose[k, 0] * base[0] + pose[k, 1] * base[1] + pose[k, 2] * base[2] + pose[k, 3]
-        yaw = bearing_rad + yaw_rad(joints[p])
-        out[p, 2] = yaw - tau * np.rint(yaw / tau)
-        out[p, 3] = np.sum(state[p] == TRACKED) / state.shape[1]
-        out[p, 4] = ((state[p, HAND_LEFT] == TRACKED) + (state[p, HAND_RIGHT] == TRACKED)) / 2.0

@@ -66,7 +66,7 @@ def _judge(joints: Array, state: NDArray[np.int8], t_s: float, limits: Records, 
     return found
 
 
-class AsideDetectors:
+class SideClapDetector:
     """All persons' claps of one client that looks from the side.
 
     Args:

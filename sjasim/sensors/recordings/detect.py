@@ -12,7 +12,7 @@ from ...assets.names import JOINTS
 from ...config import DetectorConfig
 from ...core import INFERRED, NOT_TRACKED, TRACKED, Array, Kind, RecordedJoints, SkeletonFrame, Skeletons
 from ...core.errors import RecordError
-from ..events.detectors import Detectors
+from ..events.detectors import EventDetector
 from .interpolation import BRIDGE_S, SMOOTH_S, preprocess
 from .validation import check_units
 
@@ -105,7 +105,7 @@ def events_of(recording: RecordedJoints, config: DetectorConfig) -> list[Detecte
     times, joints, codes, persons = recording
     if len(times) < 2:
         return []
-    detectors = Detectors(config, 1.0 / float(np.median(np.diff(times))))
+    detectors = EventDetector(config, 1.0 / float(np.median(np.diff(times))))
     names: list[int | str] = persons.tolist()
     rows = np.arange(len(names))
     found: list[Detected] = []

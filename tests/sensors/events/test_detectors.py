@@ -11,7 +11,7 @@ import pytest
 from sjasim.config import DetectorConfig, SensorConfig
 from sjasim.core import TRACKED, DeviceEvent, Kind, MoveDuration, SkeletonFrame, Skeletons
 from sjasim.sensors.events import move_detection
-from sjasim.sensors.events.detectors import Detectors
+from sjasim.sensors.events.detectors import EventDetector
 from sjasim.sensors.events.frame_features import GLIMPSE
 from sjasim.sensors.events.thresholds import rules
 
@@ -281,8 +281,8 @@ def frames(
 
 
 def run(sequence: list[SkeletonFrame], *known: MoveDuration) -> list[DeviceEvent]:
-    detectors = Detectors(DetectorConfig(), FRAME_HZ)
-    detectors.learn(known)
+    detectors = EventDetector(DetectorConfig(), FRAME_HZ)
+    detectors.set_durations(known)
     return [event for frame in sequence for event in detectors.update(frame)]
 
 
@@ -357,7 +357,7 @@ def test_who_comes_into_the_picture_changes_nothing_for_the_others(comes_s: floa
     """Somebody else is found while a dancer begins to walk: the start is seen all the same, and nobody else's."""
     script = Script(PLACES[0], walks=[Walk(2.0, 1.8, 0.5)])
     view = ScriptedView([script])
-    detectors = Detectors(DetectorConfig(), FRAME_HZ)
+    detectors = EventDetector(DetectorConfig(), FRAME_HZ)
     state = np.full((2, 25), TRACKED, np.int8)
     found = []
     for tick in range(round(5.0 * FRAME_HZ)):

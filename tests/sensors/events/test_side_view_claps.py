@@ -9,7 +9,7 @@ import pytest
 
 from sjasim.config import DetectorConfig
 from sjasim.core import ClientOrder, DeviceEvent, Kind, SkeletonFrame, Skeletons
-from sjasim.sensors.events.side_view_claps import AsideDetectors
+from sjasim.sensors.events.side_view_claps import SideClapDetector
 
 from ..scripted import FRAME_HZ, NORTH, Screen, Script, ScriptedView, Walk, client
 
@@ -19,11 +19,11 @@ CLAPS = [2.0 + 2.5 * k for k in range(8)]
 def help_out(view: ScriptedView, until_s: float, seed: int = 0) -> list[DeviceEvent]:
     """Events of a client that is asked for claps only."""
     watcher = client(seed, group=len(view.scripts))
-    watcher.receive(0.0, ClientOrder("north", False, assist=True), 0.0)
+    watcher.handle_message(0.0, ClientOrder("north", False, assist=True), 0.0)
     messages: list[object] = []
     for tick in range(round(until_s * FRAME_HZ)):
-        watcher.capture(tick / FRAME_HZ, view.at(tick / FRAME_HZ))
-        messages += watcher.outputs(tick / FRAME_HZ)
+        watcher.capture_frame(tick / FRAME_HZ, view.at(tick / FRAME_HZ))
+        messages += watcher.pop_messages(tick / FRAME_HZ)
     return [message for message in messages if isinstance(message, DeviceEvent)]
 
 
@@ -58,7 +58,7 @@ def test_claps_behind_a_back_are_not_seen():
 
 def test_one_arm_that_swings_across_is_no_clap():
     view = ScriptedView([Script((0.0, 0.3), 0.0)])
-    detectors, persons = AsideDetectors(DetectorConfig()), np.zeros(1, dtype=np.int64)
+    detectors, persons = SideClapDetector(DetectorConfig()), np.zeros(1, dtype=np.int64)
     events = []
     for tick in range(120):
         t_s = tick / FRAME_HZ
