@@ -23,7 +23,7 @@ from sjasim.config.toml_file import from_plain
 from sjasim.core import Event, Move
 from sjasim.core.errors import SjasimError
 from sjasim.core.method_io import MethodAction, MethodContext
-from sjasim.humans.body.mjcf import body_model
+from sjasim.humans.body.body_model import body_model
 from sjasim.session.session import Session
 from sjasim.simulation.cast import people
 from sjasim.simulation.physics_world import physics_of

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..choreography.layout import layout
-from ..choreography.score import Timetable
+from ..choreography.timetable import Timetable
 from ..config import NetworkConfig, SessionConfig
 from ..core import Array, DeviceEvent, Event, Kind, MoveCommand
 from ..core.session_log import AgentEvent

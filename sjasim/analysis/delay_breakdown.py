@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..anticipation.timing_appropriateness import ideal_times
-from ..choreography.score import Timetable
-from ..choreography.timetable import timetable
+from ..choreography.timetable import Timetable, timetable
 from ..config.toml_file import from_plain
 from ..core import Array, Event, Kind, MoveCommand, dancer_name
 from ..core.session_log import AgentEvent, Decision, SessionLog

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..choreography.score import Timetable
+from ..choreography.timetable import Timetable
 from ..core import ROBOT, Array, Cue, Kind, Move, dancer_name
 from ..core.session_log import AgentEvent
 

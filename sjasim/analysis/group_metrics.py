@@ -12,7 +12,7 @@ import numpy as np
 
 from ..anticipation.synchrony import GroupSynchrony, Series, group_index, most_synchronous
 from ..anticipation.timing_appropriateness import occurrences, timing_appropriateness
-from ..choreography.score import Timetable
+from ..choreography.timetable import Timetable
 from ..config import SessionConfig
 from ..core import ROBOT, Array, dancer_name
 from ..core.session_log import AgentEvent, Followed

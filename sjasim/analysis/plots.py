@@ -10,8 +10,7 @@ import numpy as np
 
 from ..assets.colours import ROBOT as ROBOT_COLOUR
 from ..assets.colours import dancer_colour
-from ..choreography.score import Timetable
-from ..choreography.timetable import timetable
+from ..choreography.timetable import Timetable, timetable
 from ..config import SessionConfig
 from ..config.toml_file import from_plain
 from ..core import ROBOT, Array, Kind, Move, dancer_name

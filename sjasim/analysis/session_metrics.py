@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..choreography.score import Timetable
-from ..choreography.timetable import timetable
+from ..choreography.timetable import Timetable, timetable
 from ..config.toml_file import from_plain
 from ..core import ROBOT
 from ..core.session_log import AgentEvent, Notice, SessionLog

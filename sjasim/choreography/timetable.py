@@ -1,24 +1,81 @@
-"""The timetable that a configuration asks for: its dance, its tempo, its iterations."""
+"""The timetable: session times of a dance's beats, iterations and windows."""
 
 from __future__ import annotations
+
+from bisect import bisect_left
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
 
 from ..config import SessionConfig
 from ..core.errors import PluginError
 from ..core.registry import resolve
 from ..core.tempo import TempoMap
-from .score import Choreography, Timetable
+from .score import Choreography
+
+
+@dataclass(frozen=True)
+class Timetable:
+    """Session times of a whole dance, before people add their own timing.
+
+    Attributes:
+        choreography: the dance.
+        tempo: times of the song's beats; beat 0 is that of the first iteration.
+        lead_in_s: session time of the song's beat 0.
+        first: index of the first iteration: 0 with a rehearsal, 1 without.
+        last: index of the last iteration.
+    """
+
+    choreography: Choreography
+    tempo: TempoMap
+    lead_in_s: float
+    first: int
+    last: int
+
+    def time_s(self, iteration: int, beat: float) -> float:
+        """Session time of a beat of an iteration [s]."""
+        song_beat = (iteration - self.first) * self.choreography.iteration_beats + beat
+        return self.lead_in_s + self.tempo.time_s(song_beat)
+
+    def start_s(self, iteration: int) -> float:
+        """Session time of an iteration's beat 0 [s]."""
+        return self.time_s(iteration, 0.0)
+
+    def close_s(self, iteration: int) -> float:
+        """Session time at which an iteration's window closes [s]."""
+        return self.time_s(iteration, self.choreography.close_beat)
+
+    @cached_property
+    def _closings_s(self) -> list[float]:
+        """Closing times of all windows but the last, which takes every later event [s]."""
+        return [self.close_s(iteration) for iteration in range(self.first, self.last)]
+
+    def iteration_at(self, t_s: float) -> int:
+        """The iteration whose window holds a session time: the first one before its window, the last one after it."""
+        return self.first + bisect_left(self._closings_s, t_s)
+
+    def end_s(self) -> float:
+        """Session time at which the last iteration is over [s]."""
+        return self.time_s(self.last, self.choreography.iteration_beats)
+
+    def heading_rad(self, iteration: int) -> float:
+        """Heading of dancers and robot before the turn of an iteration; in iteration 1 they face north (world +y)."""
+        return np.pi / 2 + (iteration - 1) * self.choreography.turn_rad
 
 
 def timetable(config: SessionConfig) -> Timetable:
-    """Lay out a session's dance in time.
+    """The timetable that a configuration asks for.
 
     Raises:
-        UnknownNameError: no choreography of that name.
-        PluginError: the named object does not make a `Choreography`.
+        UnknownNameError: no choreography has the name.
+        PluginError: what the name stands for does not return a `Choreography`.
     """
-    dance = resolve("choreography", config.dance.name).factory()
+    options = config.dance
+    dance = resolve("choreography", options.name).factory()
     if not isinstance(dance, Choreography):
-        raise PluginError(f"choreography {config.dance.name!r} made {type(dance).__name__}, not a Choreography")
-    own = config.dance
-    tempo = TempoMap.changing(own.bpm, own.tempo, own.pauses)
-    return Timetable(dance, tempo, own.lead_in_s, 0 if own.rehearsal else 1, config.iterations)
+        raise PluginError(f"choreography {options.name!r} made {type(dance).__name__}, not a Choreography")
+
+    tempo = TempoMap.changing(options.bpm, options.tempo, options.pauses)
+    first = 0 if options.rehearsal else 1
+    return Timetable(dance, tempo, options.lead_in_s, first, config.iterations)

@@ -1,1 +1,1 @@
-"""Dancers: when they really move, how cues become motion, and the body that performs it."""
+"""Simulated dancers: when they move (`timing`), how they move (`motion`), and the body that moves (`body`)."""

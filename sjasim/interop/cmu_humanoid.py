@@ -23,7 +23,7 @@ from ..config import BodyConfig
 from ..core import Array
 from ..core.registry import register
 from ..humans.body.anatomy import Anatomy, Build, Shape, anatomy
-from ..humans.body.mjcf import ANKLE_ARMATURE, GAINS, SKIN, TROUSERS, add_root, add_tether
+from ..humans.body.mjcf import ANKLE_ARMATURE, GAINS, SKIN_RGB, TROUSER_SHADE, add_balance_support, add_root
 from ..humans.body.mjcf import ARMATURE as OWN_ARMATURE
 from .guard import explained
 
@@ -269,7 +269,7 @@ class CmuBody:
             spec.body(body).add_site(name=name, pos=scale * np.array(offset), size=[0.01] * 3, group=4)
         for name in known.hinges:
             _servo(spec, name, build)
-        add_tether(spec, build, config)
+        add_balance_support(spec, build, config)
         return spec
 
 
@@ -290,9 +290,11 @@ def _dress(geom: mujoco.MjsGeom, index: int, group: int) -> None:
     others = ROBOT_BIT | sum(dancer_bit(other) for other in range(group) if other != index)
     name = geom.name[1:]
     skin = name.startswith(("hand", "finger", "thumb", "wrist")) or geom.name in ("head", "upperneck", "lowerneck")
-    shade = TROUSERS if name.startswith(("femur", "tibia", "foot", "toes", "hip")) or geom.name == "root_geom" else 1.0
+    shade = (
+        TROUSER_SHADE if name.startswith(("femur", "tibia", "foot", "toes", "hip")) or geom.name == "root_geom" else 1.0
+    )
     cloth = [shade * (0.12 + 0.88 * value / 255) for value in dancer_colour(index)]
-    geom.material, geom.rgba = "", [*(SKIN if skin else cloth), 1.0]
+    geom.material, geom.rgba = "", [*(SKIN_RGB if skin else cloth), 1.0]
     geom.contype, geom.conaffinity, geom.condim = own, others, 3
     if name.startswith(("hand", "finger")):
         geom.contype, geom.conaffinity = own | HAND_BIT, others | HAND_BIT

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 from ..assets.names import CARDINALS
 from ..choreography.layout import Layout
-from ..choreography.score import Timetable
+from ..choreography.timetable import Timetable
 from ..core import PersonStatus
 from ..core.session_log import Notice
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ..choreography.score import Timetable
+from ..choreography.timetable import Timetable
 from ..core import Event
 from ..core.session_log import Notice
 

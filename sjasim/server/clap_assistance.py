@@ -6,7 +6,7 @@ import math
 from bisect import bisect_left
 from collections.abc import Iterable, Sequence
 
-from ..choreography.score import Timetable
+from ..choreography.timetable import Timetable
 from ..core import Kind
 
 UNSEEN_S = 1.0

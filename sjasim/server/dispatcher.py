@@ -9,7 +9,7 @@ from dataclasses import replace
 from statistics import median
 
 from ..choreography.layout import Layout
-from ..choreography.score import Timetable
+from ..choreography.timetable import Timetable
 from ..config import RobotConfig
 from ..core import ROBOT, Kind, Move, MoveCommand, RobotState
 from ..core.method_io import CancelCommand, MethodAction, MethodContext, ScheduleCommand, SetTimer

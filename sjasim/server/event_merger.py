@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 
-from ..choreography.score import Timetable
+from ..choreography.timetable import Timetable
 from ..core import DeviceEvent, Event, Kind
 
 SAME_S = 0.4

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from ..choreography.layout import Layout
-from ..choreography.score import Timetable
+from ..choreography.timetable import Timetable
 from ..config import SessionConfig
 from ..core import (
     ClientOrder,

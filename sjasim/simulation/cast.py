@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..choreography.score import Timetable
+from ..choreography.timetable import Timetable
 from ..config import FaultConfig, SessionConfig
 from ..core import Cue, Kind
 from ..core.clock import stream
@@ -15,7 +15,8 @@ from ..core.errors import ConfigError, PluginError
 from ..core.registry import resolve
 from ..core.session_log import AgentEvent
 from ..humans.body.anatomy import Build
-from ..humans.timing.ensemble import EnsembleTiming, HumanTiming
+from ..humans.timing.ensemble import EnsembleTiming
+from ..humans.timing.human_timing import HumanTiming
 from ..humans.timing.parameters import preset, read_parameters
 from ..humans.timing.replay import Replay
 from ..record.event_table import read_event_table

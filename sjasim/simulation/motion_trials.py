@@ -77,7 +77,7 @@ class OpenLoopWorld(PhysicsWorld):
     def _move(self, now: float) -> None:
         super()._move(now)
         states, count = self.physics.states(), len(self._fallen)
-        tick = np.minimum(round(now * self._config.physics.control_hz), self.reference.until - 1)
+        tick = np.minimum(round(now * self._config.physics.control_hz), self.reference.planned_rows - 1)
         planned, landing = (column[range(count), tick] for column in (self.reference.pelvis, self.reference.landing))
         palms = np.sqrt(((states.hands[:, 0] - states.hands[:, 1]) ** 2).sum(axis=1))
         feet = states.ankles[:, :, :2]

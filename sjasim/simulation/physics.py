@@ -25,7 +25,7 @@ from ..core.clock import Ticks
 from ..core.errors import SjasimError
 from ..core.memory import Memory
 from ..humans.body.anatomy import Anatomy
-from ..humans.body.mjcf import BodyModel, body_model
+from ..humans.body.body_model import BodyModel, body_model
 from ..robot.mjcf import robot_spec
 from ..sensors.raycast.occlusion import shapes
 from .contacts import Contacts

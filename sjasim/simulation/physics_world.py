@@ -15,7 +15,7 @@ import numpy as np
 
 from ..assets.names import CARDINALS
 from ..choreography.layout import Layout
-from ..choreography.score import Timetable
+from ..choreography.timetable import Timetable
 from ..config import FaultConfig, SessionConfig
 from ..core import (
     ROBOT,
@@ -31,11 +31,11 @@ from ..core.clock import DeviceClock, Task, stream
 from ..core.errors import ConfigError
 from ..core.registry import register, resolve
 from ..core.session_log import AgentEvent, Notice
-from ..humans.body.mjcf import body_model
+from ..humans.body.body_model import body_model
 from ..humans.motion.balance_controller import BalanceController
 from ..humans.motion.planner import PREVIEW_S, Planner
 from ..humans.motion.reference_trajectory import ReferenceTrajectory
-from ..humans.timing.ensemble import SOONEST_S
+from ..humans.timing.ensemble import PREPARATION_S
 from ..humans.timing.replay import Replay
 from ..sensors.client import ROUNDING_S, SensorClient
 from ..sensors.skeleton_source import SkeletonSource
@@ -102,7 +102,7 @@ class PhysicsWorld:
         self.reference = reference = ReferenceTrajectory.empty(config.dancers, math.ceil((self.end_s + 1.0) * rate) + 1)
         turn = timetable.choreography.turn_rad
         self._planners = [
-            Planner(body, layout.dancers[index], heading, config.dance.step_m, turn, rate, reference.of(index))
+            Planner(body, layout.dancers[index], heading, config.dance.step_m, turn, rate, reference.for_dancer(index))
             for index, body in enumerate(self._anatomies)
         ]
         self.physics = Physics(
@@ -293,7 +293,7 @@ class PhysicsWorld:
         iteration = self._next_iteration
         self._next_iteration += 1
         self._begin_s = self._timetable.close_s(iteration) if iteration < self._timetable.last else math.inf
-        earliest = np.maximum(self._busy_s, now + SOONEST_S)
+        earliest = np.maximum(self._busy_s, now + PREPARATION_S)
         self._timing.begin(iteration, self._appropriateness(iteration - 1), earliest)
 
     def _seen(self) -> list[tuple[Kind, float]]:

@@ -82,11 +82,11 @@ def planned(
     heading_rad: float = 0.0,
 ) -> ReferenceTrajectory:
     """The motion of one dancer on a grid of 30 Hz: joints, pelvis and yaw, at rest after the last cue."""
-    reference = ReferenceTrajectory.empty(1, round(length_s * RATE_HZ)).of(0)
+    reference = ReferenceTrajectory.empty(1, round(length_s * RATE_HZ)).for_dancer(0)
     at = np.zeros(2) if slot is None else slot
     planner = Planner(body, at, heading_rad, 0.5, math.pi / 2, RATE_HZ, reference)
     planner.extend(cues, 0.0)
-    known = int(reference.until[0])
+    known = int(reference.planned_rows[0])
     for column in (reference.joints, reference.pelvis, reference.yaw):
         column[known:] = column[known - 1]
     return reference

@@ -7,7 +7,7 @@ import pytest
 
 from sjasim.anticipation.method import build
 from sjasim.choreography.paper import paper
-from sjasim.choreography.score import Timetable
+from sjasim.choreography.timetable import Timetable
 from sjasim.core import Event, Kind
 from sjasim.core.method_io import MethodContext, ScheduleCommand, SetTimer
 from sjasim.core.tempo import TempoMap

@@ -45,7 +45,7 @@ ONLY = {
 """Room -> lower room -> the modules of it that may be imported; a lower room that is not named may be imported whole."""
 
 OWNERS = {
-    "mujoco": ("simulation", "humans.body.mjcf", "robot.mjcf", "interop"),
+    "mujoco": ("simulation", "humans.body.body_model", "humans.body.mjcf", "robot.mjcf", "interop"),
     "gymnasium": (),
     "rerun": ("record.rerun",),
     "rerun_cli": ("record.rerun",),

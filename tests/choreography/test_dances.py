@@ -7,11 +7,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sjasim.choreography.score import MOVE_EVENTS, Timetable
+from sjasim.choreography.score import MOVE_EVENTS
+from sjasim.choreography.timetable import Timetable
 from sjasim.core import Kind, Move
 from sjasim.core.registry import names, resolve
 from sjasim.core.tempo import TempoMap
-from sjasim.humans.timing.ensemble import SHORTEST_HOLD_S, SHORTEST_MOVE_S
+from sjasim.humans.timing.ensemble import MIN_HOLD_S, MIN_MOVE_S
 
 from ..humans.dancing import builds, paper_floor
 
@@ -46,8 +47,8 @@ def test_there_is_time_to_move_and_to_hold(name, bpm):
     moves = [item for item in score.moves if len(MOVE_EVENTS[item.move]) == 2]
     beat = 60.0 / bpm
     for before, after in pairwise(moves):
-        assert before.beats * beat >= SHORTEST_MOVE_S
-        assert (after.beat - before.beat - before.beats) * beat > SHORTEST_HOLD_S
+        assert before.beats * beat >= MIN_MOVE_S
+        assert (after.beat - before.beat - before.beats) * beat > MIN_HOLD_S
 
 
 @pytest.mark.parametrize("name", DANCES)

@@ -8,7 +8,7 @@ import pytest
 
 from sjasim.anticipation.method import Method, build
 from sjasim.choreography.paper import paper
-from sjasim.choreography.score import Timetable
+from sjasim.choreography.timetable import Timetable
 from sjasim.core import Event, Kind, registry
 from sjasim.core.errors import ConfigError, PluginError, UnknownNameError
 from sjasim.core.method_io import CancelCommand, MethodContext, ScheduleCommand, SetTimer

@@ -9,7 +9,8 @@ import numpy as np
 
 from sjasim.analysis.ground_truth_events import claps, moves
 from sjasim.choreography.layout import layout
-from sjasim.choreography.score import MOVE_EVENTS, Choreography, Timetable
+from sjasim.choreography.score import MOVE_EVENTS, Choreography
+from sjasim.choreography.timetable import Timetable
 from sjasim.config import BodyConfig, PhysicsConfig, RobotConfig, SessionConfig
 from sjasim.core import Array, Cue, Kind, Move, dancer_name
 from sjasim.core.registry import resolve
@@ -59,7 +60,7 @@ def jittered(timetable: Timetable, iteration: int, dancer: int, rng: np.random.G
 
 def at_rest(reference: ReferenceTrajectory) -> ReferenceTrajectory:
     """One dancer's plan with the rows that are not planned yet filled as they are read: the last one, repeated."""
-    known = int(reference.until[0])
+    known = int(reference.planned_rows[0])
     for name in ("joints", "pelvis", "yaw", "dcm", "weight", "ankles", "foot_yaw", "landing", "torque"):
         getattr(reference, name)[known:] = getattr(reference, name)[known - 1]
     return reference
@@ -86,7 +87,7 @@ class Floor:
         self.ticks = round(self.seconds * HZ)
         self.reference = ReferenceTrajectory.empty(count, self.ticks + 120)
         self.planners = [
-            Planner(body, room.dancers[i], self.heading, 0.5, self.turn_rad, HZ, self.reference.of(i))
+            Planner(body, room.dancers[i], self.heading, 0.5, self.turn_rad, HZ, self.reference.for_dancer(i))
             for i, body in enumerate(self.bodies)
         ]
         start = self.reference.joints[:, 0].copy(), self.reference.pelvis[:, 0].copy()
@@ -132,7 +133,7 @@ class Floor:
     def pelvis_errors(self) -> Array:
         """(T, D) distance between planned and true pelvis on the floor [m]."""
         for dancer in range(len(self.bodies)):
-            at_rest(self.reference.of(dancer))
+            at_rest(self.reference.for_dancer(dancer))
         planned = self.reference.pelvis[:, 1 : len(self.times) + 1, :2].swapaxes(0, 1)
         return np.linalg.norm(self.column("roots")[:, :, :2] - planned, axis=2)
 

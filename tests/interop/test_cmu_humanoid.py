@@ -13,8 +13,8 @@ from sjasim.config import BodyConfig, DanceConfig
 from sjasim.core import registry
 from sjasim.core.errors import PluginError
 from sjasim.humans.body.anatomy import Build
+from sjasim.humans.body.body_model import body_model
 from sjasim.humans.body.kinematics import com_offsets, joint_positions
-from sjasim.humans.body.mjcf import body_model
 from sjasim.humans.motion.arms import arm_poses
 
 BUILDS = (Build(), Build(1.60, 58.0), Build(1.85, 88.0))
@@ -142,7 +142,7 @@ def test_it_dances_an_iteration_upright_and_is_seen(body, seed):
 def test_without_dm_control_the_reason_is_named(monkeypatch):
     probe = (
         "import sys; sys.modules['dm_control'] = None\n"
-        "from sjasim.humans.body.mjcf import body_model\n"
+        "from sjasim.humans.body.body_model import body_model\n"
         "try:\n body_model('cmu')\nexcept Exception as e: print(type(e).__name__, e)"
     )
     answer = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)

@@ -6,7 +6,7 @@ import pytest
 from sjasim.anticipation.method import build
 from sjasim.choreography.layout import layout
 from sjasim.choreography.paper import paper
-from sjasim.choreography.score import Timetable
+from sjasim.choreography.timetable import Timetable
 from sjasim.config import SessionConfig
 from sjasim.core import Event, Kind, Move
 from sjasim.core.method_io import MethodContext

@@ -9,7 +9,7 @@ import pytest
 from sjasim.assets.names import CARDINALS
 from sjasim.choreography.layout import layout
 from sjasim.choreography.paper import paper
-from sjasim.choreography.score import Timetable
+from sjasim.choreography.timetable import Timetable
 from sjasim.config import SessionConfig
 from sjasim.core import ClientOrder, ClientStatus, DeviceEvent, Kind, PersonStatus, SyncReply, SyncRequest
 from sjasim.core.clock import DeviceClock

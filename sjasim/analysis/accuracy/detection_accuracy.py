@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...choreography.score import Timetable
-from ...choreography.timetable import timetable
+from ...choreography.timetable import Timetable, timetable
 from ...config import SessionConfig
 from ...config.toml_file import from_plain
 from ...core import Array, Kind

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...assets.names import JOINTS
-from ...choreography.score import Timetable
-from ...choreography.timetable import timetable
+from ...choreography.timetable import Timetable, timetable
 from ...config.toml_file import from_plain
 from ...core import INFERRED, TRACKED, Array, BoolArray, IntArray
 from ...core.session_log import SessionLog

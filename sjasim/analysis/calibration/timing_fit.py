@@ -23,7 +23,7 @@ from scipy.special import logsumexp
 
 from ...core import Array, IntArray
 from ...core.errors import ConfigError, SjasimError
-from ...humans.timing.parameters import USUAL_GROUP, TimingParameters
+from ...humans.timing.parameters import REFERENCE_GROUP_SIZE, TimingParameters
 from .kalman_likelihood import Noise, PhaseFilter, log_mixture
 from .optimisation import LEVEL, Bounds, intervals, lowest
 
@@ -190,7 +190,7 @@ class _Model:
         guesses = {
             "timekeeper_s": 0.6, "motor_s": 0.15, "common_s": self._common**2, "common_correlation": 0.5,
             "iteration_spread": 0.1, "group_spread": 0.05, "scale": 0.0,
-            "coupling": 0.5 / (self._dancers if self.matrix else USUAL_GROUP),
+            "coupling": 0.5 / (self._dancers if self.matrix else REFERENCE_GROUP_SIZE),
         }  # fmt: skip
         return np.array([guesses[name.partition("[")[0]] for name in self.names])
 
@@ -215,7 +215,7 @@ class _Model:
     def gains(self, values: Mapping[str, float]) -> Array:
         """(D, D) share of its lead over each other dancer that each dancer gives up."""
         if not self.matrix:
-            return TimingParameters(coupling=min(max(values["coupling"], 0.0), 0.6)).gains(self._dancers)
+            return TimingParameters(coupling=min(max(values["coupling"], 0.0), 0.6)).coupling_gains(self._dancers)
         out = np.zeros((self._dancers, self._dancers))
         for name, value in values.items():
             if name.startswith("coupling["):

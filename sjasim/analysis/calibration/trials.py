@@ -9,10 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from ...anticipation.timing_appropriateness import occurrences
-from ...choreography.score import Choreography, Timetable
+from ...choreography.score import Choreography
+from ...choreography.timetable import Timetable
+from ...config.session import MAX_DANCERS
 from ...core import ROBOT, Array, Kind
 from ...core.session_log import TableEvent, natural_order
-from ...humans.timing.parameters import LARGEST_GROUP
 from .timing_fit import FitError, TappingTrials, mean_seen
 
 FARTHEST_S = 2.0
@@ -123,8 +124,8 @@ def _casts(trials: Trials) -> dict[str, list[str]]:
     if len(sizes) > 1:
         told = ", ".join(f"{session!r} has {size}" for size, session in sizes.items())
         raise FitError(f"sessions must have as many dancers each: {told}")
-    if not 2 <= largest <= LARGEST_GROUP:
-        raise FitError(f"a group of 2 to {LARGEST_GROUP} dancers is needed, not of {largest}")
+    if not 2 <= largest <= MAX_DANCERS:
+        raise FitError(f"a group of 2 to {MAX_DANCERS} dancers is needed, not of {largest}")
     return {session: sorted(cast, key=natural_order) for session, cast in found.items()}
 
 

@@ -6,8 +6,6 @@ vertical is free, so the feet carry the whole weight.
 
 from __future__ import annotations
 
-from typing import Protocol, cast
-
 import mujoco
 import numpy as np
 
@@ -15,7 +13,7 @@ from ...assets.colours import dancer_colour
 from ...assets.names import ACTUATED, FLOOR_BIT, HAND_BIT, ROBOT_BIT, ROOT_JOINTS, TETHERED, dancer_bit
 from ...config import BodyConfig
 from ...core import Array
-from ...core.registry import register, resolve
+from ...core.registry import register
 from .anatomy import Anatomy, Build, Segment, Shape, anatomy
 
 GAINS = {
@@ -28,7 +26,7 @@ GAINS = {
 """Hinge -> stiffness [Nm/rad] and torque limit [Nm] of a dancer of 75 kg and 1.75 m (assumed; joint torques
 stay within published human maxima)."""
 
-TETHER_GAINS = {
+SUPPORT_GAINS = {
     "root_x": (800.0, 150.0), "root_y": (800.0, 150.0),
     "root_yaw": (100.0, 15.0), "root_pitch": (150.0, 25.0), "root_roll": (150.0, 25.0),
 }  # fmt: skip
@@ -41,8 +39,8 @@ A light ankle under a stiff muscle on a soft contact would quiver at 150 steps a
 turn at 1 rad/s, with this inertia not at all.
 """
 DAMPING = 0.6
-SKIN, SHOES = (0.80, 0.60, 0.47), (0.16, 0.16, 0.18)
-TROUSERS = 0.55
+SKIN_RGB, SHOE_RGB = (0.80, 0.60, 0.47), (0.16, 0.16, 0.18)
+TROUSER_SHADE = 0.55
 """Brightness of the trousers, as a share of the shirt's."""
 SOLE_SOLREF, SOLE_SOLIMP = (0.014, 1.0), (0.95, 0.99)
 """As hard a sole as 150 steps a second bear: a softer one lets standing feet creep (assumed)."""
@@ -55,32 +53,8 @@ FORMS = {
 AXES = np.eye(3)
 
 
-class BodyModel(Protocol):
-    """What can perform a dance that is planned for the hinges of `assets.names.ACTUATED`.
-
-    Attributes:
-        hinges: names of the H hinges that have a position servo of the same name.
-        leading: (25,) for each planned hinge the one of ``hinges`` whose servo moves it; its gains stand for it.
-    """
-
-    hinges: tuple[str, ...]
-    leading: tuple[str, ...]
-
-    def anatomy(self, build: Build) -> Anatomy:
-        """The tables that a build's motion is planned with; ``chains`` of it must fit what `spec` builds."""
-        ...
-
-    def spec(self, anatomy: Anatomy, index: int, group: int, config: BodyConfig) -> mujoco.MjSpec:
-        """The model; see `dancer_spec` for what it must hold."""
-        ...
-
-    def angles(self, planned: Array) -> Array:
-        """(D, H) angles of its own hinges for planned ones (D, 25) [rad]."""
-        ...
-
-
 @register("body", "sjasim")
-class OwnBody:
+class SjasimBody:
     """Our own dancer, whose hinges are the planned ones."""
 
     hinges = leading = ACTUATED
@@ -96,15 +70,6 @@ class OwnBody:
     def angles(self, planned: Array) -> Array:
         """The same."""
         return planned
-
-
-def body_model(name: str) -> BodyModel:
-    """The body model of a name.
-
-    Raises:
-        SjasimError: there is none, or it needs what is not installed.
-    """
-    return cast("BodyModel", resolve("body", name).factory())
 
 
 def dancer_spec(anatomy: Anatomy, index: int, group: int, config: BodyConfig) -> mujoco.MjSpec:
@@ -138,7 +103,7 @@ def dancer_spec(anatomy: Anatomy, index: int, group: int, config: BodyConfig) ->
         servo.set_to_position(kp=kp, dampratio=1.0)
         servo.forcelimited = True
         servo.forcerange = [-limit, limit]
-    add_tether(spec, anatomy.build, config)
+    add_balance_support(spec, anatomy.build, config)
     return spec
 
 
@@ -196,20 +161,20 @@ def _shape(body: mujoco.MjsBody, shape: Shape, index: int, group: int) -> None:
 
 def _colour(shape: Shape, index: int) -> tuple[float, ...]:
     if shape.role == "hand" or shape.name in ("head", "neck"):
-        return SKIN
+        return SKIN_RGB
     if shape.name.startswith("foot"):
-        return SHOES
-    shade = TROUSERS if shape.name.startswith(("pelvis", "thigh", "shank")) else 1.0
+        return SHOE_RGB
+    shade = TROUSER_SHADE if shape.name.startswith(("pelvis", "thigh", "shank")) else 1.0
     return tuple(shade * (0.12 + 0.88 * value / 255) for value in dancer_colour(index))
 
 
-def add_tether(spec: mujoco.MjSpec, build: Build, config: BodyConfig) -> None:
+def add_balance_support(spec: mujoco.MjSpec, build: Build, config: BodyConfig) -> None:
     """Let saturating actuators pull at the root's joints, unless the configuration wants none."""
     if config.balance_support == "none":
         return
     scale = build.mass_kg / 75.0
     for name in TETHERED:
-        stiffness, damping = (scale * gain for gain in TETHER_GAINS[name])
+        stiffness, damping = (scale * gain for gain in SUPPORT_GAINS[name])
         limit = config.support_force_n if name in ("root_x", "root_y") else config.support_torque_nm
         pull = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         pull.gaintype = mujoco.mjtGain.mjGAIN_FIXED

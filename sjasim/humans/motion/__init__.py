@@ -1,1 +1,1 @@
-"""How people move."""
+"""Motion of the dancers: from cues to footsteps, reference trajectories and balance."""

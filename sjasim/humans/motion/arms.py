@@ -15,8 +15,8 @@ from scipy.optimize import least_squares
 from ...assets.names import ACTUATED_INDEX, ARM_JOINTS, JOINT_INDEX
 from ...core import Array
 from ..body.anatomy import Anatomy, Build
+from ..body.body_model import body_model
 from ..body.kinematics import hand_rotation, joint_positions
-from ..body.mjcf import body_model
 from .speed_profile import smooth
 
 LEFT = np.array([ACTUATED_INDEX[f"{joint}_L"] for joint in ARM_JOINTS])

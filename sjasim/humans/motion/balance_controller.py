@@ -243,6 +243,6 @@ class BalanceController:
         servo = np.column_stack([s.stiffness, s.lead, s.root_lead, s.weight, s.leg, omega])
         gain = np.array(astuple(gains or BalanceGains()))
         self.rate_hz = float(rate_hz)
-        self.plan = reference.until, reference.rows
+        self.plan = reference.planned_rows, reference.rows
         self.targets = np.zeros((dancers, HINGES + 5))
         self.memory = servo, gain, np.zeros((dancers, 2, 3)), self.targets

@@ -119,7 +119,7 @@ class Feet:
         self._dt = float(times[1] - times[0])
         self.ankles, self.yaw, self.landing = reference.ankles, reference.foot_yaw, reference.landing
         self._kernel = easing(SHIFT_S / 2, self._dt)
-        self._until = reference.until
+        self._until = reference.planned_rows
         known = slice(0, int(self._until[0]))
         self.yaw[known] = heading_rad
         for side in range(2):

@@ -34,7 +34,7 @@ LEAN_S_M = 0.15
 """The trunk leans into a walk by this angle per speed [rad s/m] (assumed)."""
 LEAN_LEAD_S = 0.10
 """And does so this early: people lean before they step (assumed)."""
-SHORTEST_TURN_S = 1.0
+MIN_TURN_S = 1.0
 """Four steps of a turn take at least so long [s] (assumed)."""
 EASE_SHARE = 0.15
 """In a turn the pelvis follows the balance rather than a line; it passes over to it, and back, in this share of it."""
@@ -153,7 +153,7 @@ class Planner:
             self._arms, self._trunk, self._path, self._axis, self._free, self._com, r.joints, r.pelvis, r.yaw, r.dcm,
             r.weight, r.ankles, r.foot_yaw, r.landing, r.torque,
         )  # fmt: skip
-        r.until[:] = STANDING_ROWS
+        r.planned_rows[:] = STANDING_ROWS
         self._steps = footsteps.Feet(self._slot, heading_rad, anatomy.hip_m, anatomy.ankle_m, self._times, reference)
         self._stand(heading_rad)
 
@@ -194,7 +194,7 @@ class Planner:
             self._check(cue, now_s)
             begin = int(max(now_s, cue.t_s - PREVIEW_S) / self._dt)
             self._rest_until(int((cue.t_s + cue.duration_s + AFTER_S) / self._dt))
-            window = slice(min(begin, int(self._reference.until[0]) - 2), int(self._reference.until[0]))
+            window = slice(min(begin, int(self._reference.planned_rows[0]) - 2), int(self._reference.planned_rows[0]))
             if cue.move in (Move.FORWARD, Move.BACKWARD):
                 self._walk(cue, now_s, window)
             elif cue.move is Move.TURN:
@@ -208,11 +208,11 @@ class Planner:
 
     def _rest_until(self, row: int) -> None:
         """Plan rest up to a row, if it is not planned already."""
-        known, row = int(self._reference.until[0]), min(row, len(self._times))
+        known, row = int(self._reference.planned_rows[0]), min(row, len(self._times))
         if row > known:
             for column in self._columns:
                 column[known:row] = column[known - 1]
-            self._reference.until[0] = row
+            self._reference.planned_rows[0] = row
 
     def _check(self, cue: Cue, now_s: float) -> None:
         name = f"{cue.dancer}: {cue.move} cue"
@@ -221,7 +221,7 @@ class Planner:
             raise ConfigError(
                 f"{name}.t_s", cue.t_s, f"{earliest:.3f} s or later, after the present and the move before it"
             )
-        shortest = {Move.CLAP: 0.0, Move.TURN: SHORTEST_TURN_S}.get(cue.move, SHORTEST_S)
+        shortest = {Move.CLAP: 0.0, Move.TURN: MIN_TURN_S}.get(cue.move, SHORTEST_S)
         if not shortest <= cue.duration_s < np.inf:
             raise ConfigError(f"{name}.duration_s", cue.duration_s, f"{shortest:g} s or longer")
 
@@ -268,7 +268,7 @@ class Planner:
     def _solve(self, first: int) -> None:
         """Redo centre of mass, pelvis and joints from a row on, to the last that is planned."""
         r = self._reference
-        span = slice(first, int(r.until[0]))
+        span = slice(first, int(r.planned_rows[0]))
         yaw, ankles, weight = self._reference.yaw[span], r.ankles[span], self._steps.weight(span)
         com = _pendulum(self._steps.zmp(span, weight, self._ahead), self._omega * self._dt, self._com[first])
         axis = np.stack([np.cos(self._axis[span]), np.sin(self._axis[span])], axis=1)

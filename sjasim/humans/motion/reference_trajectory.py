@@ -29,7 +29,7 @@ class ReferenceTrajectory:
         foot_yaw: (T, 2) [rad].
         landing: (T, 2) time until a swinging foot lands [s]; 0 for a standing one.
         torque: (T, 25) hinge torques that the motion takes [Nm].
-        until: (1,) how many rows are planned; whoever reads on finds the dancer at rest in the last of them. For all
+        planned_rows: (1,) how many rows are planned; whoever reads on finds the dancer at rest in the last of them. For all
             dancers (D,).
     """
 
@@ -43,7 +43,7 @@ class ReferenceTrajectory:
     foot_yaw: Array
     landing: Array
     torque: Array
-    until: IntArray
+    planned_rows: IntArray
 
     @classmethod
     def empty(cls, dancers: int, ticks: int) -> ReferenceTrajectory:
@@ -51,7 +51,7 @@ class ReferenceTrajectory:
         return cls._over(np.full((dancers, ticks, WIDTH), 0.0), np.zeros(dancers, dtype=np.int64))
 
     @classmethod
-    def _over(cls, rows: Array, until: IntArray) -> ReferenceTrajectory:
+    def _over(cls, rows: Array, planned_rows: IntArray) -> ReferenceTrajectory:
         ticks = rows.shape[:-1]
         return cls(
             rows=rows,
@@ -64,9 +64,9 @@ class ReferenceTrajectory:
             foot_yaw=rows[..., FOOT_YAW:LANDING],
             landing=rows[..., LANDING:TORQUE],
             torque=rows[..., TORQUE:],
-            until=until,
+            planned_rows=planned_rows,
         )
 
-    def of(self, dancer: int) -> ReferenceTrajectory:
+    def for_dancer(self, dancer: int) -> ReferenceTrajectory:
         """One dancer's rows, as views: writing to them writes to all."""
-        return ReferenceTrajectory._over(self.rows[dancer], self.until[dancer : dancer + 1])
+        return ReferenceTrajectory._over(self.rows[dancer], self.planned_rows[dancer : dancer + 1])

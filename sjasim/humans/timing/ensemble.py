@@ -12,18 +12,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from ...choreography.score import MOVE_EVENTS, Timetable
+from ...choreography.score import MOVE_EVENTS
+from ...choreography.timetable import Timetable
+from ...config.session import MAX_DANCERS
 from ...core import Array, BoolArray, Cue, Kind, Move, dancer_name
 from ...core.errors import ConfigError
-from .parameters import LARGEST_GROUP, TimingParameters
+from .human_timing import ObservedRobotEvent
+from .parameters import TimingParameters
 
-SHORTEST_MOVE_S = 0.8
-SHORTEST_HOLD_S = 0.15
-SOONEST_S = 0.5
+MIN_MOVE_S = 0.8
+MIN_HOLD_S = 0.15
+PREPARATION_S = 0.5
 """Nobody begins a move sooner after deciding on it: the first step has to be prepared (assumed) [s]."""
 DECIDE_S = 1.3
 """How long before its first dancer begins a move is decided; bodies show it 1.2 s before [s]."""
@@ -32,38 +34,6 @@ USUAL_APPROPRIATENESS_S = 0.70
 TURN_AFTER_CLAP_S = 0.25
 """A dancer begins to turn so long after the clap [s] (assumed)."""
 
-Seen = tuple[Kind, float]
-"""Something that the robot was seen to do, and when [session time, s]."""
-
-
-@runtime_checkable
-class HumanTiming(Protocol):
-    """A human timing model: one class that gives event times, no earlier than people decide on them."""
-
-    @property
-    def next_due_s(self) -> float:
-        """Session time by which `decide` wants to be asked again; infinite once the iteration is decided."""
-        ...
-
-    def begin(self, iteration: int, appropriateness_s: float | None, not_before_s: Array) -> None:
-        """Begin an iteration.
-
-        Args:
-            iteration: which one; each is begun once, in order, after the one before is decided.
-            appropriateness_s: the robot's mean timing error in the iteration before, or None if it did not move.
-            not_before_s: (D,) session time before which each dancer cannot begin.
-        """
-        ...
-
-    def decide(self, now_s: float, robot: Sequence[Seen]) -> tuple[tuple[Cue, ...], ...]:
-        """What each dancer now decides to do, in order of time.
-
-        Args:
-            now_s: the present; nothing begins before it.
-            robot: what the robot has been seen to do so far in this iteration.
-        """
-        ...
-
 
 class EnsembleTiming:
     """The model of this module.
@@ -71,7 +41,7 @@ class EnsembleTiming:
     People whom the robot does not move decide an iteration at once, for nothing that they see meanwhile changes it.
     Where ``robot_coupling`` is above 0 they decide move by move, `DECIDE_S` before the first of them begins, and
     correct towards the robot's events that they have seen by then, each counted once. A start that comes out sooner
-    than `SOONEST_S` after the decision is put off until then.
+    than `PREPARATION_S` after the decision is put off until then.
 
     Args:
         parameters: of the model.
@@ -92,8 +62,8 @@ class EnsembleTiming:
         people: np.random.Generator,
         performance: np.random.Generator,
     ) -> None:
-        if isinstance(dancers, bool) or not 1 <= dancers <= LARGEST_GROUP:
-            raise ConfigError("dancers", dancers, f"1 to {LARGEST_GROUP} dancers")
+        if isinstance(dancers, bool) or not 1 <= dancers <= MAX_DANCERS:
+            raise ConfigError("dancers", dancers, f"1 to {MAX_DANCERS} dancers")
         self._p, self._timetable, self._dancers, self._rng = parameters, timetable, dancers, performance
         self._transition = parameters.transition(dancers)
         self._pull = parameters.each("robot_coupling", dancers, 0.0)
@@ -124,7 +94,7 @@ class EnsembleTiming:
         self._skipping = np.zeros(self._dancers, dtype=bool)
         self._phase = np.zeros((self._dancers, len(beats)))
         self._times = np.zeros((self._dancers, len(beats)))
-        self._answered: set[Seen] = set()
+        self._answered: set[ObservedRobotEvent] = set()
 
     @property
     def next_due_s(self) -> float:
@@ -134,14 +104,14 @@ class EnsembleTiming:
         ordinal = self._timetable.choreography.first_ordinal(self._next)
         return float(self._actual(ordinal, self._phase_at(ordinal)).min()) - DECIDE_S
 
-    def decide(self, now_s: float, robot: Sequence[Seen]) -> tuple[tuple[Cue, ...], ...]:
+    def decide(self, now_s: float, robot: Sequence[ObservedRobotEvent]) -> tuple[tuple[Cue, ...], ...]:
         """See `HumanTiming`."""
         out: list[list[Cue]] = [[] for _ in range(self._dancers)]
         if self._next >= len(self._moves):
             return tuple(() for _ in out)
         late = bool(self._pull.any())
         pull = self._pull * self._behind(robot) if late else np.zeros(self._dancers)
-        self._free_s = np.maximum(self._free_s, now_s + SOONEST_S)
+        self._free_s = np.maximum(self._free_s, now_s + PREPARATION_S)
         while self._next < len(self._moves):
             for dancer, cue in self._move(self._next, pull):
                 out[dancer].append(cue)
@@ -195,9 +165,9 @@ class EnsembleTiming:
     def _happen(self, ordinal: int) -> None:
         """Fix an event's times: no move and no hold is shorter than people can make it."""
         self._times[:, ordinal] = np.maximum(self._actual(ordinal, self._phase[:, ordinal]), self._free_s)
-        self._free_s = self._times[:, ordinal] + (SHORTEST_MOVE_S if ordinal % 2 == 0 else SHORTEST_HOLD_S)
+        self._free_s = self._times[:, ordinal] + (MIN_MOVE_S if ordinal % 2 == 0 else MIN_HOLD_S)
 
-    def _behind(self, robot: Sequence[Seen]) -> Array:
+    def _behind(self, robot: Sequence[ObservedRobotEvent]) -> Array:
         """(D,) how far each dancer is behind the robot's events that were not answered yet, on average [s]."""
         done = self._timetable.choreography.first_ordinal(self._next)
         phase = self._phase.copy()

@@ -14,8 +14,7 @@ import numpy as np
 from ...core import Array
 from ...core.errors import ConfigError, UnknownNameError
 
-LARGEST_GROUP = 8
-USUAL_GROUP = 3
+REFERENCE_GROUP_SIZE = 3
 """The size of group for which a single coupling is meant; others correct as much in all (assumed)."""
 
 
@@ -89,7 +88,7 @@ class TimingParameters:
         out[: len(given)] = given
         return out
 
-    def gains(self, dancers: int) -> Array:
+    def coupling_gains(self, dancers: int) -> Array:
         """(D, D) share of its lead over each other dancer that each dancer gives up per event; diagonal 0.
 
         Raises:
@@ -101,7 +100,7 @@ class TimingParameters:
                 raise ConfigError("humans.coupling", self.coupling, allowed)
             matrix = np.array(self.coupling, dtype=np.float64)
         else:
-            matrix = np.full((dancers, dancers), self.coupling * USUAL_GROUP / dancers)
+            matrix = np.full((dancers, dancers), self.coupling * REFERENCE_GROUP_SIZE / dancers)
         np.fill_diagonal(matrix, 0.0)
         return np.asarray(self.each("correction", dancers, 1.0)[:, None] * matrix)
 
@@ -111,7 +110,7 @@ class TimingParameters:
         Raises:
             ConfigError: the matrix has another size, or differences would grow from event to event.
         """
-        gains = self.gains(dancers)
+        gains = self.coupling_gains(dancers)
         matrix = np.eye(dancers) + gains - np.diag(gains.sum(axis=1) + self.music_coupling)
         for name, pull in (("coupling", np.zeros(dancers)), ("robot_coupling", self._pulls(dancers))):
             growth = float(np.abs(np.linalg.eigvals(matrix - np.diag(pull))).max())

@@ -6,12 +6,13 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 
-from ...choreography.score import Timetable
+from ...choreography.timetable import Timetable
 from ...core import ROBOT, Array, Cue, Kind, Move, dancer_name
 from ...core.errors import ConfigError, RecordError
 from ...core.session_log import Notice, TableEvent, natural_order
-from ..motion.planner import SHORTEST_TURN_S
-from .ensemble import SHORTEST_HOLD_S, SHORTEST_MOVE_S, SOONEST_S, TURN_AFTER_CLAP_S, Seen
+from ..motion.planner import MIN_TURN_S
+from .ensemble import MIN_HOLD_S, MIN_MOVE_S, PREPARATION_S, TURN_AFTER_CLAP_S
+from .human_timing import ObservedRobotEvent
 
 FRAME_S = 1 / 30
 """Detected times are only as fine as a camera's frames: a move or hold shorter by so much is made long enough."""
@@ -70,7 +71,7 @@ class Replay:
         """See `HumanTiming`."""
         self._waiting = iteration
 
-    def decide(self, now_s: float, robot: Sequence[Seen]) -> tuple[tuple[Cue, ...], ...]:
+    def decide(self, now_s: float, robot: Sequence[ObservedRobotEvent]) -> tuple[tuple[Cue, ...], ...]:
         """See `HumanTiming`."""
         iteration, self._waiting = self._waiting, None
         if iteration is None:
@@ -86,7 +87,7 @@ class Replay:
         if not table.first <= event.iteration <= table.last:
             raise self._wrong(event, f"the dance has iterations {table.first} to {table.last}")
         first = event.iteration == table.first
-        low = (0.0 if first else table.close_s(event.iteration - 1)) + SOONEST_S
+        low = (0.0 if first else table.close_s(event.iteration - 1)) + PREPARATION_S
         high = table.time_s(event.iteration, table.choreography.iteration_beats)
         if not low <= event.t_s <= high:
             raise self._wrong(event, f"events of this iteration lie from {low:.2f} to {high:.2f} s here")
@@ -115,10 +116,10 @@ class Replay:
                 self.notices.append(Notice(event.t_s, name, what))
             t_s, duration_s = self._span(start, stop, length, free_s, _after(events, event))
             if t_s < free_s - FRAME_S:
-                raise self._wrong(event, f"{free_s:.2f} s at the earliest, {SHORTEST_HOLD_S:g} s after the last move")
+                raise self._wrong(event, f"{free_s:.2f} s at the earliest, {MIN_HOLD_S:g} s after the last move")
             t_s = max(t_s, free_s)
             cues.append(Cue(name, move, iteration, ordinal, item.beat, t_s, duration_s))
-            free_s = t_s + duration_s + SHORTEST_HOLD_S
+            free_s = t_s + duration_s + MIN_HOLD_S
         return cues
 
     def _span(
@@ -133,12 +134,12 @@ class Replay:
             event, duration_s = stop, stop.t_s - t_s
         else:
             t_s = start.t_s
-            event, end_s = (stop, stop.t_s) if stop else (start, min(t_s + length, next_s - SHORTEST_HOLD_S))
+            event, end_s = (stop, stop.t_s) if stop else (start, min(t_s + length, next_s - MIN_HOLD_S))
             duration_s = end_s - t_s
-        if duration_s >= SHORTEST_MOVE_S - FRAME_S:
-            duration_s = max(duration_s, SHORTEST_MOVE_S)
-        if not SHORTEST_MOVE_S <= duration_s <= LONGEST_MOVE_S:
-            allowed = f"a move takes from {SHORTEST_MOVE_S:g} to {LONGEST_MOVE_S:g} s, not {duration_s:.2f} s"
+        if duration_s >= MIN_MOVE_S - FRAME_S:
+            duration_s = max(duration_s, MIN_MOVE_S)
+        if not MIN_MOVE_S <= duration_s <= LONGEST_MOVE_S:
+            allowed = f"a move takes from {MIN_MOVE_S:g} to {LONGEST_MOVE_S:g} s, not {duration_s:.2f} s"
             raise self._wrong(event, allowed)
         return t_s, duration_s
 
@@ -177,11 +178,11 @@ class Replay:
         free_s = cues[-1].t_s + cues[-1].duration_s if cues else -math.inf
         if cues and cues[-1].move is Move.CLAP:
             begin_s = cues[-1].t_s + TURN_AFTER_CLAP_S
-        t_s = said[0].t_s if said else max(begin_s, free_s + SHORTEST_HOLD_S)
-        duration_s = min(length, (after[0].t_s if after else math.inf) - SHORTEST_HOLD_S - t_s)
-        if t_s < free_s or duration_s < SHORTEST_TURN_S:
+        t_s = said[0].t_s if said else max(begin_s, free_s + MIN_HOLD_S)
+        duration_s = min(length, (after[0].t_s if after else math.inf) - MIN_HOLD_S - t_s)
+        if t_s < free_s or duration_s < MIN_TURN_S:
             event = said[0] if said else own[dancer, iteration + 1][0]
-            raise self._wrong(event, f"there is no time for a turn of {SHORTEST_TURN_S:g} s beside it")
+            raise self._wrong(event, f"there is no time for a turn of {MIN_TURN_S:g} s beside it")
         ordinal = table.choreography.first_ordinal(index)
         cues.append(Cue(dancer_name(dancer), Move.TURN, iteration, ordinal, item.beat, t_s, duration_s))
 

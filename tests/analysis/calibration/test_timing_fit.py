@@ -12,7 +12,7 @@ from sjasim.analysis.calibration.kalman_likelihood import Noise, PhaseFilter, lo
 from sjasim.analysis.calibration.timing_fit import FitError, TappingTrials, fit_performances
 from sjasim.analysis.calibration.trials import phrases
 from sjasim.choreography.paper import paper
-from sjasim.choreography.score import Timetable
+from sjasim.choreography.timetable import Timetable
 from sjasim.core.clock import stream
 from sjasim.core.errors import ConfigError
 from sjasim.core.tempo import TempoMap
@@ -135,13 +135,13 @@ def test_a_leader_is_found():
     p = preset("leader")
     fit = fit_performances(danced(p, 200, 3, seed=640_000), coupling="matrix")
     assert not missed(fit, p, WIDE)
-    gains = p.gains(3)
+    gains = p.coupling_gains(3)
     for i in range(3):
         for j in range(3):
             if i != j:
                 item = fit.estimates[f"coupling[{i + 1}][{j + 1}]"]
                 assert item.low - 0.01 <= gains[i, j] <= item.high + 0.01
-    found = fit.parameters.gains(3)
+    found = fit.parameters.coupling_gains(3)
     assert found[0, 1:].max() < 0.5 * found[1:, 0].min()
 
 

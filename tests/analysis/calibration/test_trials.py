@@ -11,7 +11,7 @@ from sjasim.analysis.calibration.timing_fit import FitError
 from sjasim.analysis.calibration.trials import joined, performances, phrases
 from sjasim.choreography.march import march
 from sjasim.choreography.paper import paper
-from sjasim.choreography.score import Timetable
+from sjasim.choreography.timetable import Timetable
 from sjasim.core import Kind
 from sjasim.core.session_log import TableEvent
 from sjasim.core.tempo import TempoMap

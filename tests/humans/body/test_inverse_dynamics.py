@@ -19,7 +19,7 @@ from ..dancing import HZ, NORTH, at_rest, walk_cue
 
 
 def planned(body):
-    reference = ReferenceTrajectory.empty(1, 6 * HZ).of(0)
+    reference = ReferenceTrajectory.empty(1, 6 * HZ).for_dancer(0)
     planner = Planner(body, np.zeros(2), NORTH, 0.5, NORTH, HZ, reference)
     planner.extend([walk_cue(Move.FORWARD, 2.0, 1.5)], 0.0)
     return at_rest(reference)

@@ -18,8 +18,8 @@ BODY = anatomy(Build())
 
 def feet(seconds: float = 14.0, heading: float = np.pi / 2):
     ticks = round(seconds / DT)
-    reference = ReferenceTrajectory.empty(1, ticks).of(0)
-    reference.until[:] = ticks
+    reference = ReferenceTrajectory.empty(1, ticks).for_dancer(0)
+    reference.planned_rows[:] = ticks
     return Feet(np.zeros(2), heading, BODY.hip_m, BODY.ankle_m, np.arange(ticks) * DT, reference)
 
 

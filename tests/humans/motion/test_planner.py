@@ -23,7 +23,7 @@ class Plan:
 
     def __init__(self, body=None, seconds: float = 22.0) -> None:
         self.body = body or anatomy(Build())
-        self._reference = ReferenceTrajectory.empty(1, round(seconds * HZ)).of(0)
+        self._reference = ReferenceTrajectory.empty(1, round(seconds * HZ)).for_dancer(0)
         self.planner = Planner(self.body, np.zeros(2), NORTH, 0.5, NORTH, HZ, self._reference)
 
     @property

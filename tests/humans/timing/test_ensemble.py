@@ -9,12 +9,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from sjasim.choreography.score import Timetable
+from sjasim.choreography.timetable import Timetable
 from sjasim.core import Kind, Move
 from sjasim.core.clock import stream
 from sjasim.core.errors import ConfigError
 from sjasim.core.tempo import TempoMap
-from sjasim.humans.timing.ensemble import SHORTEST_HOLD_S, SHORTEST_MOVE_S, SOONEST_S, EnsembleTiming
+from sjasim.humans.timing.ensemble import MIN_HOLD_S, MIN_MOVE_S, PREPARATION_S, EnsembleTiming
 from sjasim.humans.timing.parameters import TimingParameters, preset, preset_names
 
 from ..dancing import dance
@@ -83,13 +83,13 @@ def test_order_holds_by_construction(name):
     for iteration in range(60):
         free = np.array([timetable().start_s(iteration) - 0.3] * 3)
         for cues, earliest in zip(draw(model, iteration, 1.5, free), free, strict=True):
-            end = earliest - SHORTEST_HOLD_S
+            end = earliest - MIN_HOLD_S
             for cue in cues:
                 if cue.move is Move.TURN:
                     continue
-                assert cue.t_s >= end + SHORTEST_HOLD_S - 1e-9
+                assert cue.t_s >= end + MIN_HOLD_S - 1e-9
                 if cue.move is not Move.CLAP:
-                    assert cue.duration_s >= SHORTEST_MOVE_S - 1e-9
+                    assert cue.duration_s >= MIN_MOVE_S - 1e-9
                 end = cue.t_s + cue.duration_s
 
 
@@ -273,7 +273,7 @@ def test_nobody_begins_sooner_than_they_can_prepare():
     model = ensemble(TimingParameters(robot_coupling=0.1), bpm=SLOW)
     model.begin(1, None, np.zeros(3))
     late = timetable(SLOW).time_s(1, 0) + 1.0
-    assert [own[0].t_s for own in model.decide(late, ())] == pytest.approx([late + SOONEST_S] * 3)
+    assert [own[0].t_s for own in model.decide(late, ())] == pytest.approx([late + PREPARATION_S] * 3)
 
 
 def test_a_drifting_dancer_falls_behind_by_their_tempo_unless_coupled():

@@ -48,7 +48,7 @@ def test_a_coupling_matrix_has_as_many_rows_as_columns(matrix):
 
 def test_a_coupling_matrix_is_for_its_own_size_of_group():
     with pytest.raises(ConfigError, match=r"humans.coupling.*4 rows of 4"):
-        TimingParameters(coupling=LEADER).gains(4)
+        TimingParameters(coupling=LEADER).coupling_gains(4)
 
 
 def test_gains_that_would_drive_people_apart_are_refused():
@@ -69,13 +69,13 @@ def test_one_number_couples_groups_of_every_size_alike():
 
 def test_a_matrix_says_who_corrects_towards_whom():
     p = TimingParameters(coupling=LEADER)
-    assert np.array_equal(p.gains(3), LEADER)
+    assert np.array_equal(p.coupling_gains(3), LEADER)
     lead = p.transition(3) @ np.array([0.1, 0.0, 0.0])
     assert lead == pytest.approx([0.1 * 0.8, 0.06, 0.06])
 
 
 def test_a_dancer_may_correct_less_than_the_others():
-    gains = TimingParameters(coupling=0.3, correction=(0.2,)).gains(3)
+    gains = TimingParameters(coupling=0.3, correction=(0.2,)).coupling_gains(3)
     assert gains[0, 1:] == pytest.approx(0.06)
     assert gains[1:, 0] == pytest.approx(0.3)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sjasim.choreography.score import Timetable
+from sjasim.choreography.timetable import Timetable
 from sjasim.core.tempo import TempoMap
 from sjasim.humans.timing.ensemble import EnsembleTiming
 from sjasim.humans.timing.parameters import preset, preset_names

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from sjasim.choreography.score import Timetable
+from sjasim.choreography.timetable import Timetable
 from sjasim.core import Kind, Move
 from sjasim.core.errors import ConfigError, RecordError
 from sjasim.core.session_log import TableEvent
