@@ -54,17 +54,17 @@ def command(arguments: Sequence[str]) -> None:
     options = parse(Options, arguments, None, "python -m sjasim.calibrate", ABOUT)
     if options.out is not None:
         check_file(options.out, options.overwrite)
-    from .analysis.calibration.event_table_fit import as_toml, gather
-    from .analysis.calibration.timing_fit import fit_performances
+    from .analysis.calibration.event_table_fit import as_toml, read_trials
+    from .analysis.calibration.timing_fit import fit_trials
 
     dance = None if options.dance == DanceConfig() else options.dance
-    data = gather(options.paths, dance, options.time == "music")
+    data = read_trials(options.paths, dance, options.time == "music")
     if data.unused:
         unused = f"{counted(data.unused, 'event')} not used"
         sys.stderr.write(f"{unused}: another of the same dancer is nearer to the same step\n")
-    fit = fit_performances(data, coupling=options.coupling, noise=options.noise)
+    fit = fit_trials(data, coupling=options.coupling, noise=options.noise)
     (_print_json if options.json else _print_table)(fit)
-    sys.stderr.writelines(f"warning: {doubt}\n" for doubt in fit.doubts)
+    sys.stderr.writelines(f"warning: {doubt}\n" for doubt in fit.warnings)
     if options.out is not None:
         options.out.write_text(as_toml(fit), encoding="utf-8")
         sys.stderr.write(f"kept in {options.out}\n")
@@ -73,7 +73,7 @@ def command(arguments: Sequence[str]) -> None:
 def _print_json(fit: TimingFit) -> None:
     plain = {"schema": 1, "agents": fit.agents, "performances": fit.performances, "events": fit.events}
     estimates = {name: _finite(asdict(item)) for name, item in fit.estimates.items()}
-    whole = {**plain, "log_likelihood": fit.log_likelihood, "estimates": estimates, "doubts": fit.doubts}
+    whole = {**plain, "log_likelihood": fit.log_likelihood, "estimates": estimates, "doubts": fit.warnings}
     sys.stdout.write(json.dumps(whole, allow_nan=False) + "\n")
 
 

@@ -136,9 +136,9 @@ def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:
                 progress.update(task, completed=begun + share)
 
             log = run_session(design, report)
-            seen += skeleton_accuracy.sightings(log)
-            found += detection_accuracy.outcomes(log)
-            done += detection_accuracy.executions(log)
+            seen += skeleton_accuracy.joint_observations(log)
+            found += detection_accuracy.event_outcomes(log)
+            done += detection_accuracy.command_executions(log)
             minutes[design.sensing] += design.dancers * log.cost["sim_s"] / 60.0
     return {
         "schema": 1,

@@ -50,10 +50,10 @@ def command(arguments: Sequence[str]) -> None:
             check_file(options.csv / f"{table}.csv", options.overwrite)
     if options.mcap is not None:
         check_file(options.mcap, options.overwrite)
-        from .record.rerun.rrd_reader import read_whole
+        from .record.rerun.rrd_reader import read_with_joints
         from .record.ros2.mcap_export import save_mcap
 
-        count = save_mcap(read_whole(options.folder), options.mcap)
+        count = save_mcap(read_with_joints(options.folder), options.mcap)
         sys.stderr.write(f"{count} messages in {options.mcap}\n")
     if options.csv is not None:
         save_csv({options.folder / f"{table}.parquet": options.csv / f"{table}.csv" for table in tables})

@@ -97,7 +97,7 @@ def prepared(folders: Sequence[Path], place: Path) -> tuple[Path, float]:
     """
     from .analysis.delay_breakdown import delay_report
     from .record.rerun.recording import save_all
-    from .record.rerun.rrd_reader import RECORDING, chunks, read_whole
+    from .record.rerun.rrd_reader import RECORDING, read_chunks, read_with_joints
     from .record.session_folder import read_summary
 
     configs = [from_plain(read_summary(folder)["config"]) for folder in folders]
@@ -105,10 +105,10 @@ def prepared(folders: Sequence[Path], place: Path) -> tuple[Path, float]:
     moment = table.time_s(max(1, table.last - 1), 25.0)
     stored = folders[0] / RECORDING
     if len(folders) == 1 and stored.exists():
-        if not any(True for _ in chunks(stored)):
+        if not any(True for _ in read_chunks(stored)):
             raise RecordError(f"{stored} cannot be read: it holds nothing")
         return stored, moment
-    logs = [read_whole(folder) for folder in folders]
+    logs = [read_with_joints(folder) for folder in folders]
     names = [f"{config.method}-{config.seed}" for config in configs]
     if len(set(names)) < len(names):
         names = [f"{letter}-{name}" for letter, name in zip("AB", names, strict=False)]

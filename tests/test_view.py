@@ -16,7 +16,7 @@ from .record.rerun.test_recording import with_skeletons
 
 pytest.importorskip("rerun")
 
-from sjasim.record.rerun.rrd_reader import RECORDING, chunks, read_whole
+from sjasim.record.rerun.rrd_reader import RECORDING, read_chunks, read_with_joints
 
 NEEDS_VIEWER = pytest.mark.skipif(
     os.environ.get("SJASIM_VIEWER") != "1",
@@ -56,7 +56,7 @@ def refused(capsys, command, *arguments):
 
 
 def test_joints_come_back_from_the_recording(log, kept):
-    again = read_whole(kept)
+    again = read_with_joints(kept)
     assert np.array_equal(again.joints, log.joints)
     seen = ~np.isnan(again.skeletons[..., 3])
     assert seen[::2].all()
@@ -65,7 +65,7 @@ def test_joints_come_back_from_the_recording(log, kept):
 
 def test_two_sessions_share_one_axis(kept, tmp_path):
     recording, _ = view.prepared([kept, kept], tmp_path)
-    entities = {entity for entity, _ in chunks(recording)}
+    entities = {entity for entity, _ in read_chunks(recording)}
     for part in ("world/dancer_1/true", "world/dancer_1/tracked", "lanes/robot/moved", "curves/group/gsi"):
         assert {f"/A-sia-0/{part}", f"/B-sia-0/{part}"} <= entities
 
@@ -74,7 +74,7 @@ def test_a_folder_without_a_recording_gets_one(log, tmp_path):
     bare = session_folder.write(log, tmp_path / "bare", measures(log).as_dict(), recording=False)
     recording, moment = view.prepared([bare], tmp_path)
     assert recording != bare / RECORDING
-    assert "/world/dancer_1/name" in {entity for entity, _ in chunks(recording)}
+    assert "/world/dancer_1/name" in {entity for entity, _ in read_chunks(recording)}
     assert 20 < moment < 40
 
 
@@ -165,7 +165,7 @@ def test_a_viewer_that_dies_after_its_first_answer_says_why(monkeypatch, words, 
         return subprocess.Popen([sys.executable, "-c", f"print({words!r})"], stdout=log), "nowhere"
 
     monkeypatch.setattr(viewer, "start", dying)
-    monkeypatch.setattr(viewer, "answering", lambda *given: None)
+    monkeypatch.setattr(viewer, "wait_until_ready", lambda *given: None)
     with pytest.raises(session_folder.RecordError, match=says), viewer.running():
         raise ConnectionError("transport error")
 
@@ -187,11 +187,11 @@ def test_a_live_session_reaches_a_viewer_that_only_this_machine_can_reach(log):
 
     from sjasim.config.toml_file import from_plain
     from sjasim.record.rerun.live_view import LiveView
-    from sjasim.record.rerun.viewer import answering
+    from sjasim.record.rerun.viewer import wait_until_ready
 
     live = LiveView(from_plain(log.config), headless=True)
     try:
-        answering(live.process, live.url)
+        wait_until_ready(live.process, live.url)
         for now in (5.0, 10.0, 20.0):
             live.tick(now, lambda: log)
         live.finish(log, delay_report(log))

@@ -66,7 +66,7 @@ def dancer_events(
             for edge in (start, stop)
             if np.isfinite(edge[0])
         ]
-        found += [(t_s, Kind.CLAP) for t_s in claps(rows["t_s"], rows["hands_m"])]
+        found += [(t_s, Kind.CLAP) for t_s in detect_claps(rows["t_s"], rows["hands_m"])]
         started = False
         for t_s, kind in sorted(found):
             hands = kind is Kind.CLAP
@@ -84,14 +84,14 @@ def robot_events(odometry: Mapping[str, Array], timetable: Timetable) -> list[Ag
     if not odometry or len(odometry["t_s"]) < 3:
         return []
     t_s, heading = odometry["t_s"], np.unwrap(odometry["true_heading_rad"])
-    found = moves(t_s, odometry["true_x_m"], odometry["true_y_m"], heading)
+    found = detect_moves(t_s, odometry["true_x_m"], odometry["true_y_m"], heading)
     rate = np.abs(np.diff(heading) / np.diff(t_s))
     found += [(begin, Kind.TURN) for begin, _ in stretches(_middles(t_s), rate - TURN_RAD_S)]
     events = [AgentEvent(timetable.iteration_at(time), ROBOT, kind, time) for time, kind in found]
     return sorted(events, key=lambda event: event.t_s)
 
 
-def moves(t_s: Array, x_m: Array, y_m: Array, heading_rad: Array) -> list[tuple[float, Kind]]:
+def detect_moves(t_s: Array, x_m: Array, y_m: Array, heading_rad: Array) -> list[tuple[float, Kind]]:
     """Starts and stops of one agent: (time, kind), by direction, then in order.
 
     The velocity between two ticks stands at their middle; crossings are interpolated between middles.
@@ -149,7 +149,7 @@ def stretches(t_s: Array, excess: Array) -> list[tuple[float, float]]:
     return found
 
 
-def claps(t_s: Array, hands_m: Array) -> list[float]:
+def detect_claps(t_s: Array, hands_m: Array) -> list[float]:
     """Times of closest approach of the palms, one for each approach below `PALMS_M`.
 
     Args:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..core import Array, Cue, Kind, Move
-from .ground_truth_events import claps, moves
+from .ground_truth_events import detect_claps, detect_moves
 
 NEAR_S = 0.4
 """A true event this close to a planned one is that one."""
@@ -29,8 +29,8 @@ def timing_errors(t_s: Array, roots: Array, hands_m: Array, cues: Sequence[Cue])
         hands_m: (N,) distance of the palms [m].
         cues: what the dancer planned.
     """
-    found = moves(t_s, roots[:, 0], roots[:, 1], roots[:, 3])
-    found += [(time, Kind.CLAP) for time in claps(t_s, hands_m)]
+    found = detect_moves(t_s, roots[:, 0], roots[:, 1], roots[:, 3])
+    found += [(time, Kind.CLAP) for time in detect_claps(t_s, hands_m)]
     errors: list[tuple[Kind, float]] = []
     for cue in cues:
         for kind, planned_s in cue.events():
@@ -64,7 +64,7 @@ def rise_times(t_s: Array, roots: Array, cues: Sequence[Cue]) -> Array:
     return np.array(found)
 
 
-def slips(t_s: Array, feet: Array, landing: Array) -> Array:
+def foot_slips(t_s: Array, feet: Array, landing: Array) -> Array:
     """(K,) how far each standing foot strays, at most, from where it stood `LANDED_S` after touch-down [m].
 
     A stance lasts to the next lift-off; those of feet that never swing do not count.

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..analysis.motion_metrics import rise_times, slips, timing_errors
+from ..analysis.motion_metrics import foot_slips, rise_times, timing_errors
 from ..choreography.layout import layout
 from ..choreography.timetable import timetable
 from ..config import BodyConfig, DanceConfig, SessionConfig
@@ -138,7 +138,7 @@ def figures(danced: Sequence[MotionRecording]) -> dict[str, float]:
     claps = np.array([error for kind, error in events if kind is Kind.CLAP])
     edges = np.array([error for kind, error in events if kind is not Kind.CLAP])
     rises = np.concatenate([rise_times(m.t_s, m.roots[:, d], m.of(d)) for m, d in parts])
-    slid = np.concatenate([slips(m.t_s, m.feet[:, d], m.landing[:, d]) for m, d in parts])
+    slid = np.concatenate([foot_slips(m.t_s, m.feet[:, d], m.landing[:, d]) for m, d in parts])
     return {
         "dances": len(danced),
         "dances_without_a_fall": sum(m.falls == 0 for m in danced),

@@ -9,7 +9,7 @@ from sjasim.analysis.delay_breakdown import delay_report
 from sjasim.analysis.session_metrics import measures
 from sjasim.core import Kind
 from sjasim.core.session_log import Decision
-from sjasim.record.rerun.explanation import STAGES, StepDelay, explained, told, verdict
+from sjasim.record.rerun.explanation import STAGES, StepDelay, as_markdown, classify_step, explain
 
 from .synthetic import DETECTION_S, ROBOT_LAG_S, session
 
@@ -56,8 +56,8 @@ def test_each_part_is_what_the_session_was_made_with(found):
 
 def test_a_late_dancer_is_named(found):
     worst = max(found.steps, key=lambda step: step.late_s)
-    assert "dancer_1, whom it followed" in explained(worst)
-    assert "| 2 |" in told(found)
+    assert "dancer_1, whom it followed" in explain(worst)
+    assert "| 2 |" in as_markdown(found)
 
 
 def test_timing_is_that_of_the_measures():
@@ -74,12 +74,12 @@ def test_clock_errors_are_found_for_every_sensor():
 @pytest.mark.parametrize(("robot_s", "word"), [(1.1, "on time"), (1.6, "late"), (0.4, "early"), (np.nan, "missed")])
 def test_verdicts(robot_s, word):
     step = StepDelay(1, 0, Kind.CLAP, 1.0, robot_s, "", (np.nan,) * 4 + (0.1, robot_s - 1.1), "because")
-    assert verdict(step) == word
-    assert "because" in explained(step)
+    assert classify_step(step) == word
+    assert "because" in explain(step)
 
 
 def test_humans_only_has_graphs_and_no_steps():
     alone = delay_report(session(method="none", robot=False, iterations=1))
     assert alone.steps == ()
     assert len(alone.graphs) == 1
-    assert "no robot" in told(alone)
+    assert "no robot" in as_markdown(alone)

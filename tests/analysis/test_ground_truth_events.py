@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sjasim.analysis.ground_truth_events import claps, dancer_events, moves, robot_events, stretches
+from sjasim.analysis.ground_truth_events import dancer_events, detect_claps, detect_moves, robot_events, stretches
 from sjasim.choreography.timetable import timetable
 from sjasim.config.toml_file import from_plain
 from sjasim.core import Kind
@@ -16,7 +16,7 @@ T = np.arange(0, 10, 1 / 60)
 def walk(speed, heading=0.7):
     """Moves of an agent with this speed along a constant heading."""
     way = np.concatenate([[0.0], np.cumsum(speed[:-1]) / 60])
-    return moves(T, way * np.cos(heading), way * np.sin(heading), np.full(len(T), heading))
+    return detect_moves(T, way * np.cos(heading), way * np.sin(heading), np.full(len(T), heading))
 
 
 def test_true_events_are_the_planned_crossings():
@@ -50,8 +50,8 @@ def test_a_side_that_lasts_past_the_end_is_judged_by_what_there_is():
 def test_one_clap_per_approach():
     hands = np.minimum(0.6, 0.03 + np.minimum(abs(T - 3), abs(T - 7)))
     hands[abs(T - 3.1) < 0.01] = 0.2
-    assert claps(T, hands) == pytest.approx([3.0, 7.0], abs=1 / 60)
-    assert claps(T, np.full(len(T), 0.13)) == []
+    assert detect_claps(T, hands) == pytest.approx([3.0, 7.0], abs=1 / 60)
+    assert detect_claps(T, np.full(len(T), 0.13)) == []
 
 
 def test_unseen_joints_make_events_invisible():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sjasim.analysis.motion_metrics import rise_times, slips, timing_errors
+from sjasim.analysis.motion_metrics import foot_slips, rise_times, timing_errors
 from sjasim.core import Cue, Kind, Move
 
 T_S = np.arange(0.0, 8.0, 0.02)
@@ -56,4 +56,4 @@ def test_a_slip_is_the_farthest_a_standing_foot_strays():
     feet = np.zeros((len(T_S), 2, 2))
     feet[(T_S > 2.0) & (T_S < 3.0), 0, 1] = 0.007  # and back again
     feet[:, 1, 0] = T_S  # the right one never swings
-    assert slips(T_S, feet, landing) == pytest.approx([0.007])
+    assert foot_slips(T_S, feet, landing) == pytest.approx([0.007])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sjasim.analysis.ground_truth_events import claps, moves
+from sjasim.analysis.ground_truth_events import detect_claps, detect_moves
 from sjasim.choreography.layout import layout
 from sjasim.choreography.score import MOVE_EVENTS, Choreography
 from sjasim.choreography.timetable import Timetable
@@ -148,8 +148,8 @@ class Floor:
         Starts and stops are crossings of .10 m/s by SpineBase's speed along the heading.
         """
         roots = self.column("roots")[:, dancer]
-        found = moves(self.times, roots[:, 0], roots[:, 1], roots[:, 3])
-        found += [(t, Kind.CLAP) for t in claps(self.times, self.column("hands")[:, dancer])]
+        found = detect_moves(self.times, roots[:, 0], roots[:, 1], roots[:, 3])
+        found += [(t, Kind.CLAP) for t in detect_claps(self.times, self.column("hands")[:, dancer])]
         errors = []
         for cue in self.cues[dancer]:
             for kind, t_s in cue.events():

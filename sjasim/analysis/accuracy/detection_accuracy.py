@@ -64,7 +64,7 @@ class Execution:
     delay_s: float
 
 
-def outcomes(log: SessionLog) -> list[Outcome]:
+def event_outcomes(log: SessionLog) -> list[Outcome]:
     """Every true and every logged event of the dancers in a session."""
     config = from_plain(log.config)
     table = timetable(config)
@@ -124,7 +124,7 @@ class _Place:
         return "front" if float((place - middle) @ ahead) >= 0.0 else "back", band
 
 
-def executions(log: SessionLog) -> list[Execution]:
+def command_executions(log: SessionLog) -> list[Execution]:
     """Every command of a session, with the delay of the robot's event."""
     config = from_plain(log.config)
     return [Execution(kind, gap) for kind, gap in robot_gaps(log.commands, log.robot_events, timetable(config))]

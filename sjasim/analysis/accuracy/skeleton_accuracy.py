@@ -57,7 +57,7 @@ class JointObservation:
     hands: IntArray
 
 
-def sightings(log: SessionLog) -> list[JointObservation]:
+def joint_observations(log: SessionLog) -> list[JointObservation]:
     """Everybody before every sensor that was active in a session; frames that it did not take are left out.
 
     Args:
@@ -112,7 +112,7 @@ def joint_rows(found: Iterable[JointObservation]) -> list[dict[str, Any]]:
 
 
 def figures(found: Sequence[JointObservation], group: str = ALL, row: str = ALL, band: str = ALL) -> dict[str, Any]:
-    """Of one route's sightings, of one cell of the card; null where it has nothing to go by.
+    """Of one route's joint_observations, of one cell of the card; null where it has nothing to go by.
 
     Returns:
         ``n`` joints in frames; shares ``tracked`` and ``inferred`` of them; of the tracked ones ``median_m``, ``p95_m``

@@ -14,8 +14,8 @@ from ...core.errors import ConfigError, RecordError
 from ...humans.timing.parameters import TimingParameters
 from ...record.event_table import read_event_table
 from ...record.session_folder import read_summary
-from .timing_fit import TappingTrials, TimingFit, fit_performances
-from .trials import joined, performances
+from .timing_fit import TappingTrials, TimingFit, fit_trials
+from .trials import arrange_trials, concatenate_trials
 
 
 def fit_timing(
@@ -38,14 +38,14 @@ def fit_timing(
         RecordError: a file cannot be read, or a row is wrong.
         FitError: there is too little, or it does not fit together.
     """
-    return fit_performances(gather([Path(path) for path in paths], dance, music), coupling=coupling, noise=noise)
+    return fit_trials(read_trials([Path(path) for path in paths], dance, music), coupling=coupling, noise=noise)
 
 
-def gather(paths: Sequence[Path], dance: DanceConfig | None, music: bool) -> TappingTrials:
+def read_trials(paths: Sequence[Path], dance: DanceConfig | None, music: bool) -> TappingTrials:
     """TappingTrials of all the files, each a session or more of its own; arguments as in `fit_timing`."""
     if not paths:
         raise ConfigError("paths", (), "one event table or session's folder at least")
-    return joined([_read(path, dance, music) for path in paths])
+    return concatenate_trials([_read(path, dance, music) for path in paths])
 
 
 def _read(path: Path, dance: DanceConfig | None, music: bool) -> TappingTrials:
@@ -57,7 +57,7 @@ def _read(path: Path, dance: DanceConfig | None, music: bool) -> TappingTrials:
         config = from_plain(plain)
     if dance is not None:
         config = replace(config, dance=dance)
-    return performances(read_event_table(path), timetable(config) if music else None)
+    return arrange_trials(read_event_table(path), timetable(config) if music else None)
 
 
 def as_toml(fit: TimingFit) -> str:

@@ -60,7 +60,7 @@ class TappingTrials:
         music: whether the music's beats are known; else the time is free.
         phrases: events that a dancer leaves out together, as lists of event indices.
         unused: how many events found no place, because another of the same dancer was nearer to it.
-        doubts: what speaks against a fit, a line each, in words.
+        warnings: what speaks against a fit, a line each, in words.
     """
 
     agents: tuple[str, ...]
@@ -69,7 +69,7 @@ class TappingTrials:
     music: bool
     phrases: tuple[tuple[int, ...], ...] = ()
     unused: int = 0
-    doubts: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +93,7 @@ class TimingFit:
         performances: how many iterations or trials were fitted.
         events: how many events.
         log_likelihood: at the maximum.
-        doubts: what speaks against the estimates, a line each, in words.
+        warnings: what speaks against the estimates, a line each, in words.
     """
 
     values: Mapping[str, Any]
@@ -102,7 +102,7 @@ class TimingFit:
     performances: int
     events: int
     log_likelihood: float
-    doubts: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     @property
     def parameters(self) -> TimingParameters:
@@ -117,7 +117,7 @@ class TimingFit:
             raise FitError(f"the fit makes no group that can dance: {error.field} wants {error.allowed}") from error
 
 
-def fit_performances(data: TappingTrials, *, coupling: str = "one", noise: str = "one") -> TimingFit:
+def fit_trials(data: TappingTrials, *, coupling: str = "one", noise: str = "one") -> TimingFit:
     """Fit the human timing model.
 
     Args:
@@ -148,7 +148,7 @@ def fit_performances(data: TappingTrials, *, coupling: str = "one", noise: str =
     estimates = model.estimates(at, ends)
     shape = data.agents, len(data.late_s), events
     fit = TimingFit(_values(estimates, data, model), estimates, *shape, -model.cost(at))
-    return replace(fit, doubts=_doubts(fit, model, at, ends))
+    return replace(fit, warnings=_doubts(fit, model, at, ends))
 
 
 @dataclass
@@ -330,7 +330,7 @@ def _doubts(fit: TimingFit, model: _Model, vector: Array, ends: Array) -> tuple[
     least, most = np.array(model.bounds()).T
     at_least, at_most = (np.isclose(vector, bound, rtol=1e-4, atol=1e-9) for bound in (least, most))
     low, high = ends.T
-    said = list(model.data.doubts)
+    said = list(model.data.warnings)
     for flags, words in (
         (at_most | (at_least & (least != 0.0)), "on the bounds of what is fitted, and say little"),
         ((low <= least) & (high >= most), "not told by these data: intervals from bound to bound"),

@@ -33,7 +33,7 @@ Trials = dict[tuple[str, int], dict[str, list[TableEvent]]]
 """(session, iteration) -> agent -> events."""
 
 
-def performances(events: Sequence[TableEvent], timetable: Timetable | None) -> TappingTrials:
+def arrange_trials(events: Sequence[TableEvent], timetable: Timetable | None) -> TappingTrials:
     """Arrange the dancers' events by step of the dance or, in free time, by what happened together.
 
     Early events and the robot's are left aside, and dancers' turns where the dance is known, for they follow the clap.
@@ -76,11 +76,11 @@ def performances(events: Sequence[TableEvent], timetable: Timetable | None) -> T
         music=timetable is not None,
         phrases=() if timetable is None else phrases(timetable.choreography),
         unused=told - int(np.isfinite(late_s).sum()),
-        doubts=_loose(trials, casts) if timetable is None else (),
+        warnings=_loose(trials, casts) if timetable is None else (),
     )
 
 
-def joined(parts: Sequence[TappingTrials]) -> TappingTrials:
+def concatenate_trials(parts: Sequence[TappingTrials]) -> TappingTrials:
     """TappingTrials of several tables as those of several sessions.
 
     Raises:
@@ -97,8 +97,10 @@ def joined(parts: Sequence[TappingTrials]) -> TappingTrials:
     first = np.cumsum([0, *(int(part.session.max()) + 1 for part in parts[:-1])])
     session = np.concatenate([part.session + at for part, at in zip(parts, first, strict=True)])
     late_s = np.concatenate(wide)
-    doubts = tuple(dict.fromkeys(doubt for part in parts for doubt in part.doubts))
-    return replace(parts[0], late_s=late_s, session=session, unused=sum(part.unused for part in parts), doubts=doubts)
+    warnings = tuple(dict.fromkeys(doubt for part in parts for doubt in part.warnings))
+    return replace(
+        parts[0], late_s=late_s, session=session, unused=sum(part.unused for part in parts), warnings=warnings
+    )
 
 
 def phrases(choreography: Choreography) -> tuple[tuple[int, ...], ...]:

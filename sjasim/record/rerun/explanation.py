@@ -100,34 +100,36 @@ LATE_S = 0.4
 """From here on a robot is called late or early: where people begin to see it (assumed)."""
 
 
-def verdict(step: StepDelay) -> str:
+def classify_step(step: StepDelay) -> str:
     """``on time``, ``late``, ``early`` or ``missed``."""
     if math.isnan(step.late_s):
         return "missed"
     return "on time" if abs(step.late_s) < LATE_S else "late" if step.late_s > 0 else "early"
 
 
-def told(report: DelayReport) -> str:
+def as_markdown(report: DelayReport) -> str:
     """What happened, as a short text in Markdown: an iteration a line, then each one's worst step and why."""
     lines = ["| iteration | robot followed | robot's steps | GSI, full edges |", "|---|---|---|---|"]
     for graph in report.graphs:
         steps = [step for step in report.steps if step.iteration == graph.iteration]
-        counts = {word: sum(verdict(step) == word for step in steps) for word in ("on time", "late", "early", "missed")}
+        counts = {
+            word: sum(classify_step(step) == word for step in steps) for word in ("on time", "late", "early", "missed")
+        }
         said = ", ".join(f"{count} {word}" for word, count in counts.items() if count) or "no robot"
         whom = graph.follows or ("nobody in particular" if steps else "-")
         lines.append(f"| {graph.iteration} | {whom} | {said} | {graph.gsi_full_edges:.2f} |")
     lines.append("")
     for graph in report.graphs:
-        off = [s for s in report.steps if s.iteration == graph.iteration and verdict(s) in ("late", "early")]
-        lines += [f"- {explained(step)}" for step in sorted(off, key=lambda step: -abs(step.late_s))[:1]]
-    lines += [f"- {explained(step)}" for step in report.steps if verdict(step) == "missed"][:2]
+        off = [s for s in report.steps if s.iteration == graph.iteration and classify_step(s) in ("late", "early")]
+        lines += [f"- {explain(step)}" for step in sorted(off, key=lambda step: -abs(step.late_s))[:1]]
+    lines += [f"- {explain(step)}" for step in report.steps if classify_step(step) == "missed"][:2]
     return "\n".join(lines)
 
 
-def explained(step: StepDelay) -> str:
+def explain(step: StepDelay) -> str:
     """One step in a sentence: how late, and the stage that explains most of it."""
     name = step.kind.value.replace("_", " ")
-    if verdict(step) == "missed":
+    if classify_step(step) == "missed":
         return f"{step.t_s:.1f} s, {name}: the robot missed it ({step.why})"
     sign = 1.0 if step.late_s > 0 else -1.0
     known = [(sign * part, stage) for part, stage in zip(step.parts_s, STAGES, strict=True) if not math.isnan(part)]

@@ -22,7 +22,7 @@ from .scene import TIMELINE
 RECORDING = "session.rrd"
 
 
-def read_whole(folder: Path) -> SessionLog:
+def read_with_joints(folder: Path) -> SessionLog:
     """A session's folder with the joints that its recording holds; without a recording they are None.
 
     Raises:
@@ -34,7 +34,7 @@ def read_whole(folder: Path) -> SessionLog:
         return log
     config = from_plain(log.config)
     frames: dict[str, list[tuple[int, Any, Any]]] = {}
-    for entity, batch in chunks(path):
+    for entity, batch in read_chunks(path):
         if entity.startswith("/world/dancer_") and "Points3D:positions" in batch.schema.names:
             _collect(frames, entity.removeprefix("/world/"), batch, config.sensors.rate_hz)
     true = [frames.get(f"{dancer_name(index)}/true", []) for index in range(config.dancers)]
@@ -53,7 +53,7 @@ def read_whole(folder: Path) -> SessionLog:
     return dataclasses.replace(log, joints=joints, skeletons=skeletons)
 
 
-def chunks(path: Path) -> Iterator[tuple[str, Any]]:
+def read_chunks(path: Path) -> Iterator[tuple[str, Any]]:
     """Entity and record batch of every chunk of a recording that is on the session's clock.
 
     Raises:

@@ -12,7 +12,7 @@ from ...choreography.timetable import timetable
 from ...config import SessionConfig
 from ...core import ROBOT, Kind, Move, dancer_name
 from ...core.session_log import SessionLog
-from .explanation import STAGES, DelayReport, Graph, told, verdict
+from .explanation import STAGES, DelayReport, Graph, as_markdown, classify_step
 from .scene import AMBER, GREEN, GREY, RED, Pen, Span
 
 BLUE, ORANGE, PURPLE, SKY = (0, 114, 178), (213, 94, 0), (204, 121, 167), (86, 180, 233)
@@ -120,13 +120,13 @@ def send_report(pen: Pen, report: DelayReport, config: SessionConfig) -> None:
     timing: list[Mark] = []
     for step in report.steps:
         ends = sorted((step.t_s, step.robot_s)) if np.isfinite(step.robot_s) else [step.t_s, step.t_s + 1.0]
-        timing.append((ends[0], max(ends[1], ends[0] + 0.15), verdict(step)))
+        timing.append((ends[0], max(ends[1], ends[0] + 0.15), classify_step(step)))
     send_lane(pen, "robot/timing", timing, Span())
     send_curves(pen, report)
     fix_graph(pen)
     for graph in report.graphs:
         send_graph(pen, graph)
-    pen.fixed("story", rr.TextDocument(told(report), media_type=rr.MediaType.MARKDOWN))
+    pen.fixed("story", rr.TextDocument(as_markdown(report), media_type=rr.MediaType.MARKDOWN))
 
 
 def send_curves(pen: Pen, report: DelayReport) -> None:

@@ -104,7 +104,7 @@ def running(size: str = "1920x1080") -> Iterator[str]:
     with tempfile.TemporaryFile() as said:
         process, url = start(headless=True, size=size, log=said)
         try:
-            answering(process, url, said)
+            wait_until_ready(process, url, said)
             yield url
         except ConnectionError as error:  # it may answer once and find only then that it cannot draw
             raise RecordError(_silence(process, said, error)) from None
@@ -116,7 +116,7 @@ def running(size: str = "1920x1080") -> Iterator[str]:
                 process.kill()
 
 
-def answering(process: subprocess.Popen[bytes], url: str, said: IO[bytes] | None = None) -> None:
+def wait_until_ready(process: subprocess.Popen[bytes], url: str, said: IO[bytes] | None = None) -> None:
     """Wait until a viewer answers.
 
     Args:

@@ -1,4 +1,4 @@
-"""Figures of joints, on made-up sightings whose errors are known."""
+"""Figures of joints, on made-up observations whose errors are known."""
 
 import numpy as np
 import pytest

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sjasim.analysis.calibration.kalman_likelihood import Noise, PhaseFilter, log_mixture
-from sjasim.analysis.calibration.timing_fit import FitError, TappingTrials, fit_performances
+from sjasim.analysis.calibration.timing_fit import FitError, TappingTrials, fit_trials
 from sjasim.analysis.calibration.trials import phrases
 from sjasim.choreography.paper import paper
 from sjasim.choreography.timetable import Timetable
@@ -112,28 +112,28 @@ def test_random_scales_are_summed_over():
 
 def test_musicians_are_recovered():
     p = preset("musicians")
-    assert not missed(fit_performances(danced(p, 30, 3, seed=610_000)), p)
+    assert not missed(fit_trials(danced(p, 30, 3, seed=610_000)), p)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper-entrainment", "paper-warmup", "musicians"])
 def test_two_hundred_sessions_give_every_parameter_back(name):
     p = preset(name)
-    assert not missed(fit_performances(danced(p, 200, 3, seed=620_000)), p)
+    assert not missed(fit_trials(danced(p, 200, 3, seed=620_000)), p)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("dancers", [2, 5, 8])
 def test_groups_of_every_size_are_fitted(dancers):
     p = preset("musicians")
-    found = missed(fit_performances(danced(p, 40, dancers, seed=630_000)), p, WIDE)
+    found = missed(fit_trials(danced(p, 40, dancers, seed=630_000)), p, WIDE)
     assert not {name for name in found if not name.startswith("late_s")}  # all dancers share the group's shift
 
 
 @pytest.mark.slow
 def test_a_leader_is_found():
     p = preset("leader")
-    fit = fit_performances(danced(p, 200, 3, seed=640_000), coupling="matrix")
+    fit = fit_trials(danced(p, 200, 3, seed=640_000), coupling="matrix")
     assert not missed(fit, p, WIDE)
     gains = p.coupling_gains(3)
     for i in range(3):
@@ -148,7 +148,7 @@ def test_a_leader_is_found():
 @pytest.mark.slow
 def test_each_dancers_noise_is_found():
     p = replace(preset("musicians"), scale=(0.6, 1.0, 1.6))
-    fit = fit_performances(danced(p, 100, 3, seed=650_000), noise="each")
+    fit = fit_trials(danced(p, 100, 3, seed=650_000), noise="each")
     assert fit.parameters.scale == pytest.approx(np.array(p.scale) / np.prod(p.scale) ** (1 / 3), rel=0.06)
 
 
@@ -162,7 +162,7 @@ def test_in_free_time_only_what_divides_the_dancers_counts():
     rows = np.array(rows)
     rows[rng.random(rows.shape) < 0.1] = np.nan
     late = rows - np.nanmean(rows, axis=1, keepdims=True)
-    fit = fit_performances(TappingTrials(("a", "b", "c"), late[None], np.zeros(1, dtype=int), False))
+    fit = fit_trials(TappingTrials(("a", "b", "c"), late[None], np.zeros(1, dtype=int), False))
     for name, value in (("timekeeper_s", 0.03), ("motor_s", 0.01), ("coupling", 0.15)):
         assert fit.estimates[name].low <= value <= fit.estimates[name].high, name
     assert fit.estimates["timekeeper_s"].value == pytest.approx(0.03, rel=0.15)
@@ -172,10 +172,10 @@ def test_in_free_time_only_what_divides_the_dancers_counts():
 def test_too_little_or_the_wrong_word_is_refused():
     few = danced(preset("musicians"), 1, 2, seed=1)
     with pytest.raises(FitError, match="too little to fit: 18 events of 2 dancers"):
-        fit_performances(replace(few, late_s=few.late_s[:1], session=few.session[:1]))
+        fit_trials(replace(few, late_s=few.late_s[:1], session=few.session[:1]))
     with pytest.raises(ConfigError, match=r"coupling = 'some' .*one, matrix"):
-        fit_performances(few, coupling="some")
+        fit_trials(few, coupling="some")
     with pytest.raises(ConfigError, match="noise"):
-        fit_performances(few, noise="loud")
+        fit_trials(few, noise="loud")
     with pytest.raises(ConfigError, match="in free time"):
-        fit_performances(replace(few, music=False), coupling="matrix")
+        fit_trials(replace(few, music=False), coupling="matrix")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sjasim.analysis.calibration.timing_fit import FitError
-from sjasim.analysis.calibration.trials import joined, performances, phrases
+from sjasim.analysis.calibration.trials import arrange_trials, concatenate_trials, phrases
 from sjasim.choreography.march import march
 from sjasim.choreography.paper import paper
 from sjasim.choreography.timetable import Timetable
@@ -35,7 +35,7 @@ def dance(agents, late_s, iteration=1, session="s") -> list[TableEvent]:
 def test_events_go_to_their_step_and_what_is_missing_is_missing():
     rows = [row for row in dance(("p2", "p10"), (0.1, -0.2)) if not (row.agent == "p2" and row.kind is Kind.CLAP)]
     aside = [event("robot", 30.0), event("p2", 30.0, Kind.TURN), event("p2", 30.0, early=True)]
-    found = performances(rows + aside, TABLE)
+    found = arrange_trials(rows + aside, TABLE)
     assert found.agents == ("p2", "p10")
     assert found.late_s.shape == (1, 9, 2)
     assert found.late_s[0, :8, 0] == pytest.approx(0.1)
@@ -46,13 +46,13 @@ def test_events_go_to_their_step_and_what_is_missing_is_missing():
 
 def test_an_event_that_finds_no_place_is_counted():
     rows = [*dance(("a", "b"), (0.0, 0.0)), event("a", TABLE.time_s(1, 32) + 1.0)]
-    assert performances(rows, TABLE).unused == 1
+    assert arrange_trials(rows, TABLE).unused == 1
 
 
 def test_sessions_and_iterations_are_performances_of_their_own():
     rows = dance(("a", "b"), (0.0, 0.1), 1, "x") + dance(("a", "b"), (0.0, 0.1), 2, "x")
     rows += dance(("c", "d"), (0.0, 0.1), 1, "y")
-    found = performances(rows, TABLE)
+    found = arrange_trials(rows, TABLE)
     assert found.agents == ("place 1", "place 2")
     assert list(found.session) == [0, 0, 1]
     assert found.late_s[:, :, 1] == pytest.approx(0.1)
@@ -60,7 +60,7 @@ def test_sessions_and_iterations_are_performances_of_their_own():
 
 def test_in_free_time_neighbours_belong_together():
     taps = [(0.5 * k + 0.02 * (agent == "b"), agent) for k in range(20) for agent in "ab" if (k, agent) != (7, "b")]
-    found = performances([event(agent, t_s) for t_s, agent in sorted(taps)], None)
+    found = arrange_trials([event(agent, t_s) for t_s, agent in sorted(taps)], None)
     assert found.late_s.shape == (1, 20, 2)
     assert not found.music
     gap = found.late_s[0, :, 1] - found.late_s[0, :, 0]
@@ -71,24 +71,24 @@ def test_in_free_time_neighbours_belong_together():
 def test_people_of_different_tempi_have_nothing_in_common():
     taps = [event("a", 0.5 * k) for k in range(30)] + [event("b", 0.7 * k) for k in range(20)]
     with pytest.raises(FitError, match=r"a's clap comes every 0.50 s, b's every 0.70 s: .* one to one"):
-        performances(sorted(taps, key=lambda one: one.t_s), None)
+        arrange_trials(sorted(taps, key=lambda one: one.t_s), None)
 
 
 def test_a_step_left_out_of_a_few_is_no_other_tempo():
     steps = [event("a", 6.0 * k) for k in range(3)] + [event("b", 0.1 + 6.0 * k) for k in (0, 2)]
-    found = performances(sorted(steps, key=lambda one: one.t_s), None)
+    found = arrange_trials(sorted(steps, key=lambda one: one.t_s), None)
     assert np.isfinite(found.late_s).all(axis=2).sum() == 2
 
 
 def test_tables_are_joined_as_sessions():
-    one, two = (performances(dance(("a", "b"), (0.0, 0.1), k), TABLE) for k in (1, 2))
-    both = joined([one, two])
+    one, two = (arrange_trials(dance(("a", "b"), (0.0, 0.1), k), TABLE) for k in (1, 2))
+    both = concatenate_trials([one, two])
     assert list(both.session) == [0, 1]
     assert both.late_s.shape == (2, 9, 2)
     with pytest.raises(FitError, match="groups of 2, 3 dancers"):
-        joined([one, performances(dance(("a", "b", "c"), (0, 0, 0)), TABLE)])
+        concatenate_trials([one, arrange_trials(dance(("a", "b", "c"), (0, 0, 0)), TABLE)])
     with pytest.raises(FitError, match="different dances"):
-        joined([one, replace(two, phrases=phrases(march()))])
+        concatenate_trials([one, replace(two, phrases=phrases(march()))])
 
 
 def test_phrases_are_what_people_leave_out_together():
@@ -111,14 +111,14 @@ def test_phrases_are_what_people_leave_out_together():
 )
 def test_what_does_not_fit_together_is_refused(rows, says):
     with pytest.raises(FitError, match=says):
-        performances(rows, TABLE)
+        arrange_trials(rows, TABLE)
 
 
 def test_people_who_do_not_hear_one_another_are_doubted():
     rng = np.random.default_rng(2)
     alone = [(k, t_s) for k in range(3) for t_s in 0.3 * k + (0.65 + 0.01 * k) * np.arange(75)]
     together = [(k, 0.65 * beat + 0.03 * rng.standard_normal()) for k in range(3) for beat in range(75)]
-    doubts = [performances([event(f"p{k}", t_s) for k, t_s in sorted(taps, key=lambda one: one[1])], None).doubts
+    warnings = [arrange_trials([event(f"p{k}", t_s) for k, t_s in sorted(taps, key=lambda one: one[1])], None).warnings
               for taps in (alone, together)]  # fmt: skip
-    assert "may be chance" in doubts[0][0]
-    assert doubts[1] == ()
+    assert "may be chance" in warnings[0][0]
+    assert warnings[1] == ()

@@ -18,9 +18,9 @@ from ...analysis.synthetic import session
 
 rr = pytest.importorskip("rerun")
 
-from sjasim.record.rerun import recording as recording  # noqa: E402 - after the skip
+from sjasim.record.rerun import recording  # noqa: E402 - after the skip
 from sjasim.record.rerun import scene  # noqa: E402
-from sjasim.record.rerun.rrd_reader import chunks  # noqa: E402
+from sjasim.record.rerun.rrd_reader import read_chunks  # noqa: E402
 
 
 def with_skeletons(log):
@@ -47,7 +47,7 @@ def path(log, tmp_path_factory):
 def rows(path):
     """Every entity's rows in order of time: (seconds, {component: value})."""
     found = {}
-    for entity, batch in chunks(path):
+    for entity, batch in read_chunks(path):
         times = batch.column(scene.TIMELINE).cast("int64").to_numpy() / 1e9
         names = [name for name in batch.schema.names if ":" in name]
         values = [batch.column(name).to_pylist() for name in names]
@@ -116,12 +116,12 @@ def test_every_view_has_data_at_three_times(rows, path, log):
 def test_humans_only_and_empty_sessions_are_recorded_too(tmp_path):
     alone = session(method="none", robot=False, iterations=1, joints=False)
     recording.save(alone, tmp_path / "a.rrd", delay_report(alone))
-    found = {entity for entity, _ in chunks(tmp_path / "a.rrd")}
+    found = {entity for entity, _ in read_chunks(tmp_path / "a.rrd")}
     assert "/world/dancer_1/name" in found
     assert "/world/robot" not in found
     bare = dataclasses.replace(alone, truth={}, events=(), cues=(), decisions=(), notices=())
     recording.save(bare, tmp_path / "b.rrd", DelayReport())
-    assert "/lanes/iteration" in {entity for entity, _ in chunks(tmp_path / "b.rrd")}
+    assert "/lanes/iteration" in {entity for entity, _ in read_chunks(tmp_path / "b.rrd")}
 
 
 def test_blocks_add_up_to_the_whole(log, rows, tmp_path):
@@ -133,7 +133,7 @@ def test_blocks_add_up_to_the_whole(log, rows, tmp_path):
         recorder.send(log, scene.Span(since, until))
     stream.disconnect()
     count = {}
-    for entity, batch in chunks(tmp_path / "blocks.rrd"):
+    for entity, batch in read_chunks(tmp_path / "blocks.rrd"):
         count[entity] = count.get(entity, 0) + batch.num_rows
     for entity in ("/world/dancer_2/true", "/world/robot", "/world/dancer_2/body", "/log/decisions"):
         assert count[entity] == len(rows[entity])
