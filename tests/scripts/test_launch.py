@@ -1,27 +1,33 @@
-"""The launcher: what it runs, when it installs, and what it says when it cannot."""
+"""The launcher: what it runs, when and what it installs, and its messages when it cannot; the lock files."""
 
 import importlib.util
+import itertools
 import json
+import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 PATH = Path(__file__).resolve().parents[2] / "scripts" / "launch.py"
+PROJECT = PATH.parents[1]
 
 
 @pytest.fixture
 def launch(tmp_path, monkeypatch):
-    """The launcher as a module, at home in an empty project of two commands, with a .venv that only exists."""
-    spec = importlib.util.spec_from_file_location("launch", PATH)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    """The launcher in an empty project with one command; its installation steps and commands are only recorded."""
+    module = load()
     (tmp_path / "sjasim").mkdir()
     (tmp_path / "sjasim" / "run.py").write_text('if __name__ == "__main__": ...')
     (tmp_path / "sjasim" / "types.py").write_text("")
     (tmp_path / "pyproject.toml").write_text("[project]")
-    (tmp_path / "constraints.txt").write_text("numpy==2")
+    (tmp_path / "sjasim" / "__main__.py").write_text('if __name__ == "__main__": ...')
+    (tmp_path / "requirements").mkdir()
+    (tmp_path / "requirements" / "run.txt").write_text("numpy==2")
     monkeypatch.setattr(module, "ROOT", tmp_path)
     monkeypatch.setattr(module, "VENV", tmp_path / ".venv")
     monkeypatch.setattr(module, "STAMP", tmp_path / ".venv" / "stamp.json")
@@ -34,8 +40,22 @@ def launch(tmp_path, monkeypatch):
     return module
 
 
+def load():
+    """The launcher as a module."""
+    spec = importlib.util.spec_from_file_location("launch", PATH)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def installed(launch):
+    """Lock files that the recorded steps installed, in order, with "sjasim" for the package itself."""
+    steps = [command for command in launch.calls if "install" in command]
+    return ["sjasim" if "-e" in step else Path(step[-1]).stem for step in steps]
+
+
 def fake_call(module, command):
-    """Note a step of the installation; making the environment makes its Python."""
+    """Record a step of the installation; the step that makes .venv also makes its Python."""
     module.calls.append(command)
     if "venv" in command:
         module.PYTHON.parent.mkdir(parents=True, exist_ok=True)
@@ -44,40 +64,83 @@ def fake_call(module, command):
 
 def test_first_use_installs_and_the_second_does_not(launch, tmp_path, capsys):
     assert launch.main(["run", "--method", "eca"]) == 7
-    venv, install, command = launch.calls
-    assert venv == [sys.executable, "-m", "venv", str(tmp_path / ".venv")]
-    assert install[1:4] == ["-m", "pip", "install"]
-    assert install[-4:] == ["-e", f"{tmp_path}[test,dev,plots,video,train]", "-c", str(tmp_path / "constraints.txt")]
-    assert command == [str(launch.PYTHON), "-m", "sjasim.run", "--method", "eca"]
+    assert launch.calls[0] == [sys.executable, "-m", "venv", str(tmp_path / ".venv")]
+    assert installed(launch) == ["simulation", "sjasim", "run"]
+    assert launch.calls[-1] == [str(launch.PYTHON), "-m", "sjasim.run", "--method", "eca"]
     heard = capsys.readouterr()
-    assert "installing" in heard.err
+    assert "Installing" in heard.err
     assert heard.out == ""
+
     launch.calls.clear()
     assert launch.main(["run"]) == 7
     assert len(launch.calls) == 1
 
 
+def test_only_locked_files_are_fetched(launch, tmp_path):
+    launch.main(["run"])
+    simulation, package, rest = launch.calls[1:4]
+    for step, name in ((simulation, "simulation"), (rest, "run")):
+        assert step[1:4] == ["-m", "pip", "install"]
+        assert step[-3:] == ["--require-hashes", "-r", str(tmp_path / "requirements" / f"{name}.txt")]
+    assert package[-5:] == ["--no-index", "--no-deps", "--no-build-isolation", "-e", str(tmp_path)]
+
+
+def test_a_larger_set_is_added_when_a_command_needs_it_and_stays(launch, tmp_path):
+    for arguments, added in (
+        (["run"], ["simulation", "sjasim", "run"]),
+        (["run", "--video=dance.mp4"], ["simulation", "sjasim", "optional"]),
+        (["run", "--plots", "figures"], []),
+        (["test"], ["simulation", "sjasim", "test"]),
+        (["run"], []),
+    ):
+        launch.calls.clear()
+        assert launch.main(arguments) == 7
+        assert installed(launch) == added
+
+    (tmp_path / "requirements" / "run.txt").write_text("numpy==3")
+    launch.calls.clear()
+    launch.main(["run"])
+    assert installed(launch) == ["simulation", "sjasim", "test"]
+
+
 def test_changed_dependencies_install_again_into_the_same_environment(launch, tmp_path):
     launch.main(["run"])
-    launch.calls.clear()
-    (tmp_path / "constraints.txt").write_text("numpy==3")
-    launch.main(["run"])
-    assert [("pip" in command, "venv" in command) for command in launch.calls] == [(True, False), (False, False)]
+    for name in ("pyproject.toml", "requirements/run.txt"):
+        launch.calls.clear()
+        (tmp_path / name).write_text("changed")
+        launch.main(["run"])
+        assert installed(launch) == ["simulation", "sjasim", "run"]
+        assert not any("venv" in command for command in launch.calls)
 
 
-def test_an_interrupted_installation_is_done_again(launch, monkeypatch):
+def test_an_interrupted_installation_is_continued(launch, monkeypatch):
     def interrupted(command, complaint):
-        if "pip" in command:
-            raise KeyboardInterrupt
         fake_call(launch, command)
+        if "-e" in command:
+            raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
         patch.setattr(launch, "call", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            launch.main(["run"])
-    assert not launch.STAMP.exists()
+            launch.main(["test"])
+
+    launch.calls.clear()
     launch.main(["run"])
-    assert launch.STAMP.exists()
+    assert installed(launch) == ["simulation", "sjasim", "run"]
+    assert not any("venv" in command for command in launch.calls)
+
+
+def test_another_python_makes_a_new_environment(launch):
+    launch.main(["--python", sys.executable, "test"])
+    launch.calls.clear()
+    launch.main(["--python", sys.executable, "run"])
+    assert len(launch.calls) == 1
+
+    launch.write_stamp({**launch.read_stamp(), "python": "/usr/bin/another"})
+    launch.calls.clear()
+    launch.main(["--python", sys.executable, "run"])
+    assert "venv" in launch.calls[0]
+    assert installed(launch) == ["simulation", "sjasim", "run"]
 
 
 def test_uv_is_used_where_it_is(launch, monkeypatch):
@@ -125,20 +188,66 @@ def test_a_python_that_does_not_exist(launch, monkeypatch, capsys):
 
 
 def test_exit_codes_pass_and_a_killed_command_shows_its_signal():
-    spec = importlib.util.spec_from_file_location("launch", PATH)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = load()
     assert module.run([sys.executable, "-c", "raise SystemExit(2)"], PATH.parent) == 2
     if sys.platform != "win32":
         assert module.run([sys.executable, "-c", "import os; os.kill(os.getpid(), 2)"], PATH.parent) == 130
 
 
-def test_a_long_step_gives_signs_of_life_and_a_failing_one_says_so(monkeypatch, capsys):
-    spec = importlib.util.spec_from_file_location("launch", PATH)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    monkeypatch.setattr(module, "SIGN_OF_LIFE_S", 0.1)
+def test_a_long_step_reports_progress_and_a_failed_one_is_an_error(monkeypatch, capsys):
+    module = load()
+    monkeypatch.setattr(module, "PROGRESS_S", 0.1)
     module.call([sys.executable, "-c", "import time; time.sleep(0.3)"], "it failed")
-    assert "still at it" in capsys.readouterr().err
+    assert "so far" in capsys.readouterr().err
     with pytest.raises(module.ProblemError, match="it failed"):
         module.call([sys.executable, "-c", "raise SystemExit(1)"], "it failed")
+
+
+def locked(name):
+    """Requirement lines of a lock file: package -> its versions, one for each marker."""
+    lines = re.findall(r"^(\S+)==(\S+)", (PROJECT / "requirements" / f"{name}.txt").read_text(), re.MULTILINE)
+    versions = {}
+    for package, version in lines:
+        versions.setdefault(package, set()).add(version)
+    return versions
+
+
+def requirements(*, extras=(), groups=()):
+    """What pyproject.toml asks for: the package's dependencies, extras and dependency groups."""
+    project = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))
+    found = [line for group in groups for line in project["dependency-groups"][group]]
+    found += [line for extra in extras for line in project["project"]["optional-dependencies"][extra]]
+    return [Requirement(line) for line in [*project["project"]["dependencies"], *found]]
+
+
+@pytest.mark.parametrize(
+    ("name", "extras", "groups"),
+    [
+        ("run", (), ("build",)),
+        ("optional", ("plots", "video", "ros"), ("build",)),
+        ("test", ("plots", "video", "ros", "train"), ("build", "test", "style", "docs")),
+    ],
+)
+def test_lock_files_satisfy_pyproject(name, extras, groups):
+    versions = locked(name)
+    for requirement in requirements(extras=extras, groups=groups):
+        pinned = versions[canonicalize_name(requirement.name)]
+        assert all(requirement.specifier.contains(version) for version in pinned), requirement
+
+
+def test_each_lock_file_agrees_with_the_next_larger():
+    names = ("simulation", "run", "optional", "test")
+    for smaller, larger in itertools.pairwise(names):
+        versions = locked(larger)
+        assert {package: versions[package] for package in locked(smaller)} == locked(smaller)
+
+
+def test_users_do_not_get_development_packages():
+    assert not {"pytest", "ruff", "mypy", "scikit-learn", "sphinx", "matplotlib"} & set(locked("run"))
+
+
+@pytest.mark.parametrize("name", ["simulation", "run", "optional", "test"])
+def test_lock_files_have_hashes_and_name_no_host(name):
+    text = (PROJECT / "requirements" / f"{name}.txt").read_text()
+    assert "://" not in text
+    assert not re.findall(r"^\S+==[^\\\n]*$", text, re.MULTILINE)  # each requirement continues with its hashes
