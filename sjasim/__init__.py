@@ -80,7 +80,8 @@ def _forget_stale(*places: Path) -> None:
     """
     kept = [index for place in places for index in place.rglob("*.nbi")]
     written = (path for place in places for path in place.rglob("*.py")) if kept else ()
-    sources = (path for path in written if b"@njit" in path.read_bytes())
+    marks = (b"@njit", b"@compiled_")
+    sources = (path for path in written if any(mark in path.read_bytes() for mark in marks))
     newest_s = max((path.stat().st_mtime for path in sources), default=0.0)
     with contextlib.suppress(OSError):  # who may not write there has no caches of their own there either
         for index in kept:
