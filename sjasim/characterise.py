@@ -119,7 +119,7 @@ def check(design: SessionConfig) -> None:
 def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:
     """Dance sessions and make characterise.json's content."""
     from .analysis.accuracy import detection_accuracy, skeleton_accuracy
-    from .session.session import run_session, versions
+    from .session.session import package_versions, run_session
 
     seen: list[skeleton_accuracy.JointObservation] = []
     found: list[detection_accuracy.Outcome] = []
@@ -144,7 +144,7 @@ def characterise(designs: Sequence[SessionConfig]) -> dict[str, Any]:
         "schema": 1,
         "seed": designs[0].seed,
         "sessions": [{"sensing": one.sensing, "layout": one.layout, "seed": one.seed} for one in designs],
-        "versions": versions(),
+        "versions": package_versions(),
         "config": to_plain(designs[0]),
         "joints": skeleton_accuracy.joint_rows(seen),
         "detector": detection_accuracy.detector_rows(found),

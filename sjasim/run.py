@@ -63,7 +63,7 @@ def command(arguments: Sequence[str]) -> None:
     options = trained(options)
     config = options.session
     if config.method != method.HUMANS_ONLY:
-        method.build(config.method, config.method_options)
+        method.build_method(config.method, config.method_options)
     check(options)
     with contextlib.ExitStack() as watching:
         audience = SessionObservers(options, watching) if options.view or options.video or options.log_depth else None

@@ -27,16 +27,16 @@ class FollowFirst:
     def __init__(self, config: FollowFirstConfig = FollowFirstConfig()) -> None:
         self._config = config
 
-    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
+    def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
         """Begin a dance: remember when each step falls on the music."""
-        self._steps = brief.steps
-        self._brief = brief
+        self._steps = context.steps
+        self._context = context
 
     def on_event(self, event: Event) -> Sequence[MethodAction]:
         """Send the command of the nearest step of this kind at once."""
         if event.person != self._config.dancer or event.iteration == 0:
             return ()
-        beat = self._brief.beat(event.iteration, event.t_s)
+        beat = self._context.beat(event.iteration, event.t_s)
         steps = [step for step in self._steps if step.kind == event.kind]
         if not steps:
             return ()

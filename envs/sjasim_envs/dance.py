@@ -14,7 +14,7 @@ import numpy as np
 from gymnasium import error, spaces
 from numpy.typing import NDArray
 
-from sjasim.anticipation.method import HUMANS_ONLY, build
+from sjasim.anticipation.method import HUMANS_ONLY, build_method
 from sjasim.anticipation.observation import MOVES
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
@@ -43,7 +43,7 @@ OPTIONS = ("humans", "people", "faults", "method")
 class Agent:
     """The method of a session that is driven from outside: it hears everything and answers nothing."""
 
-    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
+    def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
         """Nothing to prepare."""
 
     def on_event(self, event: Event) -> Sequence[MethodAction]:
@@ -119,7 +119,7 @@ class _Dance(gym.Env[Any, Any]):
                 ViewerWindow.check()
             Renderer.check(width, height)
             if self.config.method != AGENT:
-                build(self.config.method, self.config.method_options)
+                build_method(self.config.method, self.config.method_options)
             people(self.config, timetable(self.config))
             body_model(self.config.body.model)
             steps = timetable(self.config).choreography.steps()
@@ -266,7 +266,7 @@ class DanceEnv(_Dance):
             raise error.InvalidAction(f"action = {action!r} is not allowed: one of {known}")
         wanted, current = MOVES[index], session.dispatcher.current
         if wanted is not (Move.STOP if current is None else current.move):
-            session.dispatcher.order(session.time_s, wanted)
+            session.dispatcher.command_move(session.time_s, wanted)
 
 
 class DanceFlatEnv(DanceEnv):
@@ -309,7 +309,7 @@ class DanceContinuousEnv(_Dance):
         driven = current is not None and current.move is Move.DRIVE
         before = (current.speed_m_s, current.yaw_rate_rad_s) if driven and current is not None else (0.0, 0.0)
         if (speed, yaw) != before:
-            session.dispatcher.order(session.time_s, Move.DRIVE, speed, yaw)
+            session.dispatcher.command_move(session.time_s, Move.DRIVE, speed, yaw)
 
 
 def _configured(base: SessionConfig, changes: Mapping[str, Any]) -> SessionConfig:

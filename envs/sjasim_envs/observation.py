@@ -10,7 +10,16 @@ from gymnasium import spaces
 from numba import njit
 from numpy.typing import NDArray
 
-from sjasim.anticipation.observation import EARLIEST, LATEST_S, MOVES, OLDEST_S, PERIODS, Features, Row, tell
+from sjasim.anticipation.observation import (
+    MAX_AGE_S,
+    MAX_DEVIATION_S,
+    MIN_SCALED_BEAT,
+    MOVES,
+    PERIODS,
+    EventFeatures,
+    Row,
+    write_time_features,
+)
 from sjasim.config import SessionConfig
 from sjasim.core import SYNCHRONY_KINDS, Array, IntArray, Move, MoveCommand, RobotState, Skeletons
 from sjasim.session.session import Session
@@ -39,17 +48,17 @@ def parts(config: SessionConfig, steps: int, clients: int) -> dict[str, tuple[tu
         clients: sensors.
     """
     speed, yaw = config.robot.max_speed_m_s, config.robot.max_yaw_rate_rad_s
-    command = [1.0, 1.0, 1.0, 1.0, OLDEST_S, speed, yaw]
-    robot = [REACH_M, REACH_M, math.pi, 2 * speed, 2 * yaw, OLDEST_S]
+    command = [1.0, 1.0, 1.0, 1.0, MAX_AGE_S, speed, yaw]
+    robot = [REACH_M, REACH_M, math.pi, 2 * speed, 2 * yaw, MAX_AGE_S]
     dancers = config.dancers
     bounds: dict[str, tuple[tuple[int, ...], object, object]] = {
-        "beat": ((1 + 2 * len(PERIODS),), EARLIEST, -EARLIEST),
+        "beat": ((1 + 2 * len(PERIODS),), MIN_SCALED_BEAT, -MIN_SCALED_BEAT),
         "client": ((clients,), 0.0, 1.0),
         "command": ((7,), [0.0, 0.0, 0.0, 0.0, 0.0, -speed, -yaw], command),
-        "event_age": ((dancers, len(SYNCHRONY_KINDS), 2), 0.0, OLDEST_S),
+        "event_age": ((dancers, len(SYNCHRONY_KINDS), 2), 0.0, MAX_AGE_S),
         "iteration": ((1,), 0.0, float(config.iterations)),
         "joints": ((dancers, _JOINTS, 3), -REACH_M, REACH_M),
-        "last_iteration": ((dancers, steps), -LATEST_S, LATEST_S),
+        "last_iteration": ((dancers, steps), -MAX_DEVIATION_S, MAX_DEVIATION_S),
         "robot": ((6,), [*(-value for value in robot[:5]), 0.0], robot),
         "tracked": ((dancers, _JOINTS), 0.0, 1.0),
     }
@@ -79,9 +88,9 @@ def _write(
         row: (N,) to write.
     """
     beats, ages, seen_m, tracked, sent, reported = starts
-    tell(t_s, line, last_s, row[beats:], row[ages:])
-    row[sent] = min(t_s - sent_s, OLDEST_S)
-    row[reported] = min(t_s - reported_s, OLDEST_S)
+    write_time_features(t_s, line, last_s, row[beats:], row[ages:])
+    row[sent] = min(t_s - sent_s, MAX_AGE_S)
+    row[reported] = min(t_s - reported_s, MAX_AGE_S)
     dancers = len(last_s)
     row[seen_m : seen_m + dancers * _JOINTS * 3] = 0.0
     row[tracked : tracked + dancers * _JOINTS] = 0.0
@@ -139,7 +148,7 @@ class Observer:
     def reset(self, session: Session) -> None:
         """Begin to watch a session."""
         self._session = session
-        self._features = Features(session.brief)
+        self._features = EventFeatures(session.context)
         self._told = 0
         self._row[:] = 0.0
         self._follow(None)
@@ -177,7 +186,7 @@ class Observer:
         session, features = self._session, self._features
         if len(session.events) > self._told:
             self._hear()
-        begun = features.reach(now)
+        begun = features.advance_to(now)
         if begun:
             self._views["iteration"][0] = features.iteration
             self._views["last_iteration"][:] = features.last_iteration
@@ -188,9 +197,9 @@ class Observer:
             self._locate(dispatcher.state)
         if server.active != self._active:
             self._turn_to(server.active)
-        frame = session.world.latest(self._active)
+        frame = session.world.latest_frame(self._active)
         seen = _NOBODY if frame is None else frame.skeletons
-        known = server.known(self._active)
+        known = server.cast_indices(self._active)
         if known is not self._known or seen.persons is not self._persons:
             self._known, self._persons = known, seen.persons
             self._order = np.array([known.get(person, -1) for person in seen.persons.tolist()], dtype=np.int64)

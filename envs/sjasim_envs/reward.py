@@ -106,16 +106,16 @@ class Scorer:
     _ordinals: dict[Kind, list[int]] = field(init=False)
 
     def __post_init__(self) -> None:
-        brief = self.session.brief
-        self._expected = np.array([nominal_times(brief, iteration) for iteration in range(brief.iterations + 1)])
-        count = brief.iterations + 1, len(brief.steps)
-        self._dancers = np.full((count[0], len(brief.cast), count[1]), np.nan)
+        context = self.session.context
+        self._expected = np.array([nominal_times(context, iteration) for iteration in range(context.iterations + 1)])
+        count = context.iterations + 1, len(context.steps)
+        self._dancers = np.full((count[0], len(context.cast), count[1]), np.nan)
         self._robot = np.full(count, np.nan)
         self._paid = np.zeros(count, dtype=bool)
         self._ordinals = {}
-        for step in brief.steps:
+        for step in context.steps:
             self._ordinals.setdefault(step.kind, []).append(step.ordinal)
-        self._settled_s = brief.window_end_s[1] + SETTLED_S
+        self._settled_s = context.window_end_s[1] + SETTLED_S
         self._slot = float(self.session.layout.robot[0]), float(self.session.layout.robot[1])
         self._looked_s = self.session.time_s
 
@@ -147,24 +147,24 @@ class Scorer:
         return min(ordinals, key=lambda k: abs(self._expected[iteration, k] - after_s)) if ordinals else None
 
     def _hear(self, event: Event) -> None:
-        brief = self.session.brief
-        if event.early or event.person not in brief.cast or not 1 <= event.iteration <= brief.iterations:
+        context = self.session.context
+        if event.early or event.person not in context.cast or not 1 <= event.iteration <= context.iterations:
             return
-        after = event.t_s - brief.iteration_start_s[event.iteration]
+        after = event.t_s - context.iteration_start_s[event.iteration]
         step = self._step(event.iteration, event.kind, after)
         if step is None:
             return
-        place = event.iteration, brief.cast.index(event.person), step
+        place = event.iteration, context.cast.index(event.person), step
         expected = self._expected[event.iteration, step]
         if not abs(self._dancers[place] - expected) <= abs(after - expected):
             self._dancers[place] = after
         self._pay_if_known(event.iteration, step)
 
     def _see(self, own: AgentEvent) -> None:
-        brief = self.session.brief
+        context = self.session.context
         step = None
-        if 1 <= own.iteration <= brief.iterations:
-            after = own.t_s - brief.iteration_start_s[own.iteration]
+        if 1 <= own.iteration <= context.iterations:
+            after = own.t_s - context.iteration_start_s[own.iteration]
             step = self._step(own.iteration, own.kind, after)
         if step is None or self._paid[own.iteration, step] or np.isfinite(self._robot[own.iteration, step]):
             self.terms["reward_spurious"] -= self.config.spurious
@@ -186,7 +186,7 @@ class Scorer:
 
     def _settle(self) -> dict[str, object]:
         """Close the books of the iteration whose time has come."""
-        iteration, ends_s = self._iteration, self.session.brief.window_end_s
+        iteration, ends_s = self._iteration, self.session.context.window_end_s
         self._iteration += 1
         self._settled_s = ends_s[self._iteration] + SETTLED_S if self._iteration < len(ends_s) else math.inf
         for step in np.flatnonzero(~self._paid[iteration]).tolist():
@@ -215,10 +215,10 @@ class Scorer:
 
     def _face(self, now: float) -> None:
         """The lane runs along the heading of the iteration whose window is open."""
-        session, iteration = self.session, iteration_at(self.session.brief, now)
+        session, iteration = self.session, iteration_at(self.session.context, now)
         heading = session.timetable.heading_rad(max(iteration, 1))
         self._ahead = math.cos(heading), math.sin(heading)
-        self._until_s = session.brief.window_end_s[iteration] if iteration < session.brief.iterations else math.inf
+        self._until_s = session.context.window_end_s[iteration] if iteration < session.context.iterations else math.inf
 
 
 def figures(session: Session, iteration: int) -> dict[str, object]:

@@ -8,7 +8,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium import error, spaces
 
-from sjasim.anticipation.learned import Steps
+from sjasim.anticipation.learned import StepSelector
 from sjasim.anticipation.observation import Row
 from sjasim.session.session import Session
 
@@ -18,8 +18,8 @@ PARTS = ("beat", "command", "event_age", "iteration", "last_iteration")
 class MethodPolicy(gym.ObservationWrapper[Row, Any, dict[str, Row]]):
     """What an anticipation method is told and nothing else: no skeletons, no odometry.
 
-    The numbers and their order are those of `sjasim.anticipation.features.Features.row`, so that a policy trained
-    with them can dance as a method (``learned``).
+    The numbers and their order are those of `sjasim.anticipation.observation.EventFeatures.row`, so that a policy
+    trained with them can dance as a method (``learned``).
 
     Args:
         env: an environment with the named observation.
@@ -66,12 +66,12 @@ class InOrder(gym.Wrapper[Any, Any, Any, Any]):
         """Begin a dance."""
         answer = self.env.reset(seed=seed, options=options)
         self._session: Session = self.get_wrapper_attr("session")
-        self._steps = Steps(self._session.brief)
+        self._steps = StepSelector(self._session.context)
         return answer
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Send a step of the score, or hold the move in force."""
         if self.action_space.contains(action):
-            self._steps.take(self._session.time_s, int(action))
+            self._steps.select(self._session.time_s, int(action))
             action = self._steps.move
         return self.env.step(action)

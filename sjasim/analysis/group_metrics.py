@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..anticipation.synchrony import GroupSynchrony, Series, group_index, most_synchronous
-from ..anticipation.timing_appropriateness import occurrences, timing_appropriateness
+from ..anticipation.timing_appropriateness import match_to_steps, timing_appropriateness
 from ..choreography.timetable import Timetable
 from ..config import SessionConfig
 from ..core import ROBOT, Array, dancer_name
@@ -115,4 +115,4 @@ def _steps(series: dict[str, Series], timetable: Timetable, iteration: int) -> A
     steps = timetable.choreography.steps()
     start_s = timetable.start_s(iteration)
     expected = np.array([timetable.time_s(iteration, step.beat) - start_s for step in steps])
-    return np.array([occurrences(times, kinds, steps, expected) for times, kinds in series.values()])
+    return np.array([match_to_steps(times, kinds, steps, expected) for times, kinds in series.values()])

@@ -36,16 +36,16 @@ class CheckedMethod:
         self._method = method
         self._cast: tuple[str, ...] = ()
 
-    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
+    def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
         """Begin a dance.
 
         Raises:
             HookError: the method's own code failed.
         """
-        self._cast = brief.cast
-        self._call("reset", 0.0, (brief, rng))
+        self._cast = context.cast
+        self._call("reset", 0.0, (context, rng))
 
-    def ask(self, hook: str, told_s: float, given: tuple[object, ...]) -> Sequence[MethodAction]:
+    def call(self, hook: str, told_s: float, given: tuple[object, ...]) -> Sequence[MethodAction]:
         """A hook's answers.
 
         Args:

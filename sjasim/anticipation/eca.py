@@ -14,7 +14,7 @@ from ..core import Event
 from ..core.errors import ConfigError
 from ..core.method_io import MethodAction, MethodContext, ScheduleCommand
 from ..core.registry import register
-from .event_history import History
+from .event_history import EventHistory
 from .scheduled_method import LEAD_S, ScheduledMethod
 from .timing_appropriateness import EPSILON_S
 
@@ -51,10 +51,10 @@ class Eca(ScheduledMethod):
     def __init__(self, config: EcaConfig = EcaConfig()) -> None:
         self._config = config
 
-    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
+    def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
         """Begin a dance."""
-        super().reset(brief, rng)
-        self._history = History(brief, self._config.epsilon_s)
+        super().reset(context, rng)
+        self._history = EventHistory(context, self._config.epsilon_s)
 
     def on_event(self, event: Event) -> Sequence[MethodAction]:
         """Remember; never answer."""
@@ -62,20 +62,22 @@ class Eca(ScheduledMethod):
         return ()
 
     def _schedule(self, iteration: int) -> Sequence[MethodAction]:
-        return scheduled(self._brief, self._history, iteration, self._config.lead_s)
+        return scheduled(self._context, self._history, iteration, self._config.lead_s)
 
 
-def scheduled(brief: MethodContext, history: History, iteration: int, lead_s: float) -> tuple[ScheduleCommand, ...]:
+def scheduled(
+    context: MethodContext, history: EventHistory, iteration: int, lead_s: float
+) -> tuple[ScheduleCommand, ...]:
     """Learn from the iteration before, and answer with one intention for each step.
 
     Args:
-        brief: the dance.
+        context: the dance.
         history: events so far; its schedule moves on.
         iteration: which to schedule, from 1.
         lead_s: how long before its time a command is sent [s].
     """
     fresh = history.learn(iteration - 1)
-    start = brief.iteration_start_s[iteration]
+    start = context.iteration_start_s[iteration]
     return tuple(
         ScheduleCommand(
             iteration,
@@ -83,5 +85,5 @@ def scheduled(brief: MethodContext, history: History, iteration: int, lead_s: fl
             start + float(history.schedule[index]) - lead_s,
             f"mean of iteration {iteration - 1}" if fresh[index] else "kept: too few dancers together",
         )
-        for index, step in enumerate(brief.steps)
+        for index, step in enumerate(context.steps)
     )

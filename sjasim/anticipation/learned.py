@@ -13,7 +13,7 @@ from ..core import Array, Event, Kind, Move
 from ..core.errors import ConfigError
 from ..core.method_io import MethodAction, MethodContext, ScheduleCommand, SetTimer
 from ..core.registry import register
-from .observation import MOVES, Features, iteration_at
+from .observation import MOVES, EventFeatures, iteration_at
 
 _MOVE = {
     Kind.START_FORWARD: Move.FORWARD,
@@ -41,7 +41,7 @@ class LearnedConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class Network:
+class PolicyNetwork:
     """A fully connected network with tanh between its layers.
 
     Attributes:
@@ -59,7 +59,7 @@ class Network:
     step_hz: int
 
     @classmethod
-    def read(cls, path: str | Path) -> Network:
+    def read(cls, path: str | Path) -> PolicyNetwork:
         """Read an npz file with ``mean``, ``std``, ``clip``, ``step_hz`` and ``w0``, ``b0``, ``w1``, ...
 
         Raises:
@@ -93,36 +93,36 @@ LEEWAY_BEATS = 3.0
 """So long before a step's beat its move may mean it; people are rarely so early (assumed)."""
 
 
-class Steps:
+class StepSelector:
     """What a wanted move means in the score: the step of that move whose beat is nearest, each sent once and in order.
 
     The environment lets a policy do anything at any time; this does not. A step may be late, so that a move which has
     begun can always be stopped, but not earlier than `LEEWAY_BEATS`. In the rehearsal it stands still.
 
     Args:
-        brief: the dance.
+        context: the dance.
     """
 
-    def __init__(self, brief: MethodContext) -> None:
-        self._brief = brief
+    def __init__(self, context: MethodContext) -> None:
+        self._context = context
         self._last = (0, -1)
         self._beats = [
-            [(step.beat, step.ordinal) for step in brief.steps if _MOVE[step.kind] is move] for move in MOVES
+            [(step.beat, step.ordinal) for step in context.steps if _MOVE[step.kind] is move] for move in MOVES
         ]
         self.move = 0
         """The move in force, by its place in `MOVES`."""
 
-    def take(self, t_s: float, wanted: int) -> tuple[int, int] | None:
+    def select(self, t_s: float, wanted: int) -> tuple[int, int] | None:
         """Send the step that a wanted move means: its iteration and ordinal, or None where there is nothing to send.
 
         Args:
             t_s: session time.
             wanted: a move by its place in `MOVES`; the one in force means none.
         """
-        iteration = iteration_at(self._brief, t_s)
+        iteration = iteration_at(self._context, t_s)
         if iteration == 0 or wanted == self.move:
             return None
-        beat = self._brief.beat(iteration, t_s)
+        beat = self._context.beat(iteration, t_s)
         near = [
             (abs(own - beat), ordinal) for own, ordinal in self._beats[wanted]
             if own <= beat + LEEWAY_BEATS and (iteration, ordinal) > self._last
@@ -136,7 +136,7 @@ class Steps:
 
 @register("anticipation", "learned", config=LearnedConfig)
 class Learned:
-    """Asks a trained policy some times a second which move it wants, and sends the step that this means; see `Steps`.
+    """Asks a trained policy some times a second which move it wants, and sends the step that this means; see `StepSelector`.
 
     Args:
         config: its options.
@@ -146,17 +146,17 @@ class Learned:
     """
 
     def __init__(self, config: LearnedConfig) -> None:
-        self._network = Network.read(config.policy)
+        self._network = PolicyNetwork.read(config.policy)
 
-    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
+    def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
         """Begin a dance.
 
         Raises:
             ConfigError: the policy was trained with other people or another dance.
         """
-        self._brief = brief
-        self._features = Features(brief)
-        self._steps = Steps(brief)
+        self._context = context
+        self._features = EventFeatures(context)
+        self._steps = StepSelector(context)
         self._sent_s = -math.inf
         self._begun = False
         width = len(self._features.row(0.0, 0, 0.0))
@@ -181,12 +181,12 @@ class Learned:
 
     def on_timer(self, t_s: float) -> Sequence[MethodAction]:
         """Ask, and ask again after one decision's time."""
-        if t_s > self._brief.window_end_s[-1]:
+        if t_s > self._context.window_end_s[-1]:
             return ()
         again = SetTimer(t_s + 1.0 / self._network.step_hz)
         scores = self._network.scores(self._features.row(t_s, self._steps.move, self._sent_s).astype(np.float64))
         wanted = int(np.argmax(scores))
-        key = self._steps.take(t_s, wanted)
+        key = self._steps.select(t_s, wanted)
         if key is None:
             return (again,)
         self._sent_s = t_s

@@ -1,6 +1,6 @@
 """The contract of an anticipation method, and how to write one.
 
-A method decides when the robot performs each of the brief's steps. It is told of events as they reach the server,
+A method decides when the robot performs each of the context's steps. It is told of events as they reach the server,
 of the iterations' beginnings and ends, and of timers it asked for, and answers with values:
 
 - `ScheduleCommand`: send the command for a step at a session time; a later one for the same step replaces it, and a
@@ -16,7 +16,7 @@ dataclass of its options::
     @register("anticipation", "echo", config=EchoConfig)
     class Echo:
         def __init__(self, config: EchoConfig = EchoConfig()) -> None: ...
-        def reset(self, brief, rng): ...
+        def reset(self, context, rng): ...
         def on_event(self, event): return (ScheduleCommand(event.iteration, 0, event.t_arrival_s, "echo"),)
         def on_iteration_start(self, iteration, t_s): return ()
         def on_iteration_end(self, iteration, t_s): return ()
@@ -24,7 +24,7 @@ dataclass of its options::
 
 or keep it in a module of your own (``--method my_module:Echo``; options then come from the class attribute
 ``config_type``, if there is one). ``reset`` must put the method back into the state of a new one. A method never
-sees the truth or the dancers' plan: events and the brief are all there is.
+sees the truth or the dancers' plan: events and the context are all there is.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ HUMANS_ONLY = "none"
 class Method(Protocol):
     """What the session calls; every hook answers at once and may answer nothing."""
 
-    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
-        """Begin a dance: forget everything, remember the brief; ``rng`` is the method's own random stream."""
+    def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
+        """Begin a dance: forget everything, remember the context; ``rng`` is the method's own random stream."""
         ...
 
     def on_event(self, event: Event) -> Sequence[MethodAction]:
@@ -79,7 +79,7 @@ class Follower(Protocol):
         ...
 
 
-def build(name: str, options: Mapping[str, float | int | bool | str] | None = None) -> Method:
+def build_method(name: str, options: Mapping[str, float | int | bool | str] | None = None) -> Method:
     """Make a method from its name and options.
 
     Args:
@@ -161,7 +161,7 @@ def _check_call(name: str, function: Callable[..., object], arguments: Sequence[
 
 
 HOOKS = {
-    "reset": ("brief", "rng"),
+    "reset": ("context", "rng"),
     "on_event": ("event",),
     "on_iteration_start": ("iteration", "t_s"),
     "on_iteration_end": ("iteration", "t_s"),

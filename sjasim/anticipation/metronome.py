@@ -40,8 +40,8 @@ class Metronome(ScheduledMethod):
     def _schedule(self, iteration: int) -> Sequence[MethodAction]:
         return tuple(
             ScheduleCommand(
-                iteration, step.ordinal, self._brief.time_s(iteration, step.beat) - self._config.lead_s,
+                iteration, step.ordinal, self._context.time_s(iteration, step.beat) - self._config.lead_s,
                 f"beat {step.beat:g}",
             )
-            for step in self._brief.steps
+            for step in self._context.steps
         )  # fmt: skip

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..core import SYNCHRONY_KINDS, Array, Event, Move
 from ..core.method_io import MethodContext
 from ..core.tempo import TempoMap
-from .event_history import History, nominal_times
+from .event_history import EventHistory, nominal_times
 from .timing_appropriateness import EPSILON_S
 
 Row = NDArray[np.float32]
@@ -20,13 +20,13 @@ Row = NDArray[np.float32]
 MOVES = (Move.STOP, Move.FORWARD, Move.BACKWARD, Move.TURN)
 """What a learner chooses from, in order."""
 
-OLDEST_S = 10.0
+MAX_AGE_S = 10.0
 """Age at which an event is forgotten [s]; one that never was has this age: half an iteration of the paper's dance."""
 
-LATEST_S = 3.0
+MAX_DEVIATION_S = 3.0
 """Bound of what is told of the last iteration's times, to both sides of the music [s]."""
 
-EARLIEST = -2.0
+MIN_SCALED_BEAT = -2.0
 """Least beat over 40 that is told, long before the music; its opposite is the greatest."""
 
 PERIODS = (1.0, 4.0, 8.0, 40.0)
@@ -37,35 +37,35 @@ _KIND = {kind: index for index, kind in enumerate(SYNCHRONY_KINDS)}
 _BEATS = 1 + 2 * len(PERIODS)
 
 
-def iteration_at(brief: MethodContext, t_s: float) -> int:
+def iteration_at(context: MethodContext, t_s: float) -> int:
     """The iteration whose window holds a session time; the last one after it."""
-    return min(bisect_left(brief.window_end_s, t_s), brief.iterations)
+    return min(bisect_left(context.window_end_s, t_s), context.iterations)
 
 
 @njit(cache=True)
-def tell(t_s: float, line: tuple[float, float], last_s: Array, beats: Row, ages: Row) -> None:
+def write_time_features(t_s: float, line: tuple[float, float], last_s: Array, beats: Row, ages: Row) -> None:
     """Write what is another at every instant.
 
     Args:
         t_s: session time.
-        line: see `Features`.
+        line: see `EventFeatures`.
         last_s: (D, 5, 2) when each dancer last did each kind [s]; regular, then early.
         beats: (9,) to write: the beat over 40, then cosines and sines of its phases in `PERIODS`.
-        ages: (D * 10,) to write: seconds since each of ``last_s``, at most `OLDEST_S`.
+        ages: (D * 10,) to write: seconds since each of ``last_s``, at most `MAX_AGE_S`.
     """
     beat = line[0] + line[1] * t_s
-    beats[0] = min(max(beat / 40.0, EARLIEST), -EARLIEST)
+    beats[0] = min(max(beat / 40.0, MIN_SCALED_BEAT), -MIN_SCALED_BEAT)
     for k in range(len(_TURNS)):
         beats[1 + k], beats[1 + len(_TURNS) + k] = math.cos(_TURNS[k] * beat), math.sin(_TURNS[k] * beat)
     for k, then_s in enumerate(last_s.flat):
-        ages[k] = min(max(t_s - then_s, 0.0), OLDEST_S)
+        ages[k] = min(max(t_s - then_s, 0.0), MAX_AGE_S)
 
 
-class Features:
+class EventFeatures:
     """Events in, rows of numbers out; it knows what a method knows and nothing more.
 
     Args:
-        brief: the dance.
+        context: the dance.
 
     Attributes:
         iteration: the one whose window holds the session time that has been reached; the last one after it, -1
@@ -76,16 +76,16 @@ class Features:
             unknown.
     """
 
-    def __init__(self, brief: MethodContext) -> None:
-        self._brief = brief
-        self._history = History(brief, EPSILON_S)
-        self._person = {name: index for index, name in enumerate(brief.cast)}
+    def __init__(self, context: MethodContext) -> None:
+        self._context = context
+        self._history = EventHistory(context, EPSILON_S)
+        self._person = {name: index for index, name in enumerate(context.cast)}
         self._until_s = -math.inf
-        self._tempo = brief.tempo or TempoMap((0.0, 1.0), (0.0, brief.beat_s))
+        self._tempo = context.tempo or TempoMap((0.0, 1.0), (0.0, context.beat_s))
         self.line = 0.0, 0.0
         self.iteration = -1
-        self.last_s = np.full((len(brief.cast), len(SYNCHRONY_KINDS), 2), -np.inf)
-        self.last_iteration: Row = np.zeros((len(brief.cast), len(brief.steps)), dtype=np.float32)
+        self.last_s = np.full((len(context.cast), len(SYNCHRONY_KINDS), 2), -np.inf)
+        self.last_iteration: Row = np.zeros((len(context.cast), len(context.steps)), dtype=np.float32)
 
     def add(self, event: Event) -> None:
         """Remember an event; those of persons outside the cast are not told."""
@@ -96,21 +96,21 @@ class Features:
         place = person, _KIND[event.kind], int(event.early)
         self.last_s[place] = max(self.last_s[place], event.t_s)
 
-    def reach(self, t_s: float) -> bool:
+    def advance_to(self, t_s: float) -> bool:
         """Go on to a session time, not before the last one; whether another iteration has begun, or the first."""
         if t_s <= self._until_s:
             return False
-        brief, before = self._brief, self.iteration
-        iteration = self.iteration = iteration_at(brief, t_s)
-        window_s = brief.window_end_s[iteration] if iteration < brief.iterations else math.inf
+        context, before = self._context, self.iteration
+        iteration = self.iteration = iteration_at(context, t_s)
+        window_s = context.window_end_s[iteration] if iteration < context.iterations else math.inf
         beat, rate, ends_s = self._tempo.line(t_s)
-        self.line = beat - self._tempo.beat(brief.iteration_start_s[iteration]), rate
+        self.line = beat - self._tempo.beat(context.iteration_start_s[iteration]), rate
         self._until_s = min(window_s, ends_s)
         if iteration == before:
             return False
         if iteration:
-            late_s = np.nan_to_num(self._history.times(iteration - 1) - nominal_times(brief, iteration - 1))
-            self.last_iteration = np.clip(late_s, -LATEST_S, LATEST_S).astype(np.float32)
+            late_s = np.nan_to_num(self._history.times(iteration - 1) - nominal_times(context, iteration - 1))
+            self.last_iteration = np.clip(late_s, -MAX_DEVIATION_S, MAX_DEVIATION_S).astype(np.float32)
         return True
 
     def row(self, t_s: float, move: int, sent_s: float) -> Row:
@@ -121,10 +121,10 @@ class Features:
             move: of the robot in force, by its place in `MOVES`.
             sent_s: session time when it was sent.
         """
-        self.reach(t_s)
+        self.advance_to(t_s)
         beats, ages = np.empty(_BEATS, dtype=np.float32), np.empty(self.last_s.size, dtype=np.float32)
-        tell(t_s, self.line, self.last_s, beats, ages)
+        write_time_features(t_s, self.line, self.last_s, beats, ages)
         chosen = [0.0] * len(MOVES)
         chosen[move] = 1.0
-        own, late_s = [*chosen, min(t_s - sent_s, OLDEST_S)], self.last_iteration.ravel()
+        own, late_s = [*chosen, min(t_s - sent_s, MAX_AGE_S)], self.last_iteration.ravel()
         return np.concatenate([beats, own, ages, [self.iteration], late_s], dtype=np.float32)

@@ -18,9 +18,9 @@ latency, so its builders knew it, but the paper gives no figure."""
 class ScheduledMethod(ABC):
     """Schedules each danced iteration once: at the close of the one before it, else at its own beat 0."""
 
-    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
+    def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
         """Begin a dance."""
-        self._brief = brief
+        self._context = context
         self._scheduled = 0
 
     def on_event(self, event: Event) -> Sequence[MethodAction]:
@@ -40,7 +40,7 @@ class ScheduledMethod(ABC):
         return ()
 
     def _next_schedule(self, iteration: int) -> Sequence[MethodAction]:
-        if not 1 <= iteration <= self._brief.iterations:
+        if not 1 <= iteration <= self._context.iterations:
             return ()
         self._scheduled = iteration
         return self._schedule(iteration)

@@ -15,7 +15,7 @@ from ..core.errors import ConfigError
 from ..core.method_io import CancelCommand, MethodAction, MethodContext, ScheduleCommand, SetTimer
 from ..core.registry import register
 from .eca import scheduled
-from .event_history import History
+from .event_history import EventHistory
 from .scheduled_method import LEAD_S, ScheduledMethod
 from .synchrony import most_synchronous
 from .timing_appropriateness import EPSILON_S
@@ -94,18 +94,18 @@ class Sia(ScheduledMethod):
     def __init__(self, config: SiaConfig = SiaConfig()) -> None:
         self._config = config
 
-    def reset(self, brief: MethodContext, rng: np.random.Generator) -> None:
+    def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
         """Begin a dance."""
-        super().reset(brief, rng)
-        self._history = History(brief, self._config.epsilon_s)
+        super().reset(context, rng)
+        self._history = EventHistory(context, self._config.epsilon_s)
         self._chosen: dict[int, str] = {}
         self._before: str | None = None
         self._leader = ""
         self._note = ""
         self._start_s = 0.0
-        self._next = len(brief.steps)
-        self._reference: Array = np.zeros(len(brief.steps))
-        self._close: Array = np.zeros(len(brief.steps))
+        self._next = len(context.steps)
+        self._reference: Array = np.zeros(len(context.steps))
+        self._close: Array = np.zeros(len(context.steps))
         self._planned: tuple[ScheduleCommand, ...] = ()
         self._fallbacks: tuple[ScheduleCommand, ...] = ()
         self._followed = -2
@@ -132,7 +132,7 @@ class Sia(ScheduledMethod):
             return (self._follow(event), *self._wait_again())
         if event.early or after < self._reference[self._next]:
             return ()
-        over = self._brief.steps[step - 1].kind in STARTS
+        over = self._context.steps[step - 1].kind in STARTS
         skipped = [self._pass_over(event) for _ in range(step - self._next - over)]
         return (*skipped, *(self._make_late(event) if over else (self._follow(event),)))
 
@@ -143,18 +143,18 @@ class Sia(ScheduledMethod):
 
     def _schedule(self, iteration: int) -> Sequence[MethodAction]:
         self._choose(iteration - 1)
-        intentions = scheduled(self._brief, self._history, iteration, self._config.lead_s)
+        intentions = scheduled(self._context, self._history, iteration, self._config.lead_s)
         if iteration < self._config.first_followed_iteration:
             return intentions
         self._leader = self._chosen[iteration - 1]
-        own = self._history.times(iteration - 1)[self._brief.cast.index(self._leader)]
+        own = self._history.times(iteration - 1)[self._context.cast.index(self._leader)]
         self._reference = np.where(np.isfinite(own), own, self._history.schedule)
-        self._start_s = self._brief.iteration_start_s[iteration]
-        end = self._brief.window_end_s[iteration] - self._start_s
+        self._start_s = self._context.iteration_start_s[iteration]
+        end = self._context.window_end_s[iteration] - self._start_s
         self._close = np.minimum(self._reference + self._config.window_s, end)
         for plan, then in zip(intentions, (*intentions[1:], None), strict=True):
             step, latest = plan.ordinal, np.inf
-            kind = self._brief.steps[step].kind
+            kind = self._context.steps[step].kind
             if kind is Kind.CLAP:
                 latest = plan.t_s - self._start_s + self._config.clap_wait_s
             elif kind in STARTS and kind not in FIRST and then is not None:
@@ -167,7 +167,7 @@ class Sia(ScheduledMethod):
             replace(plan, t_s=self._start_s + min(max(close, plan.t_s - self._start_s), end), why=why, last_resort=True)
             for plan, close in zip(intentions, self._close.tolist(), strict=True)
         )
-        starts = [step.ordinal for step in self._brief.steps if step.kind in STARTS]
+        starts = [step.ordinal for step in self._context.steps if step.kind in STARTS]
         self._alone = {fallbacks[ordinal].t_s: ordinal for ordinal in starts}
         self._fallbacks, self._hurried = fallbacks, {}
         return (*fallbacks, *map(SetTimer, self._alone))
@@ -192,7 +192,7 @@ class Sia(ScheduledMethod):
         """
         rest: list[int] = []
         times = [t_s]
-        for step in self._brief.steps[begun + 1 :]:
+        for step in self._context.steps[begun + 1 :]:
             if step.kind in FIRST:
                 break
             plan, before = self._planned[step.ordinal], self._planned[step.ordinal - 1]
@@ -202,7 +202,7 @@ class Sia(ScheduledMethod):
         share = min(1.0, max(SHORTEST, left_s / (times[-1] - t_s)))
         hurried = [t_s + share * (time - t_s) for time in times[1:]]
         self._hurried.update(zip(rest, hurried, strict=True))
-        why = f"fallback: {self._brief.steps[begun].kind.value} was made without {self._note}"
+        why = f"fallback: {self._context.steps[begun].kind.value} was made without {self._note}"
         return tuple(
             ScheduleCommand(self._scheduled, ordinal, time, why) for ordinal, time in zip(rest, hurried, strict=True)
         )
@@ -213,7 +213,7 @@ class Sia(ScheduledMethod):
 
     def _choose(self, iteration: int) -> None:
         series = self._history.series(iteration)
-        choice = most_synchronous(series, self._before, self._brief.tau_s)
+        choice = most_synchronous(series, self._before, self._context.tau_s)
         self._chosen[iteration] = choice.person
         if any(kinds for _, kinds in series.values()):
             self._before = choice.person
@@ -228,14 +228,14 @@ class Sia(ScheduledMethod):
 
     def _goes_on(self, kind: Kind) -> bool:
         """Whether it goes on from the step that was followed just before: that needs no window."""
-        if self._followed != self._next - 1 or self._next == len(self._brief.steps):
+        if self._followed != self._next - 1 or self._next == len(self._context.steps):
             return False
-        return kind == self._brief.steps[self._next].kind and kind not in FIRST
+        return kind == self._context.steps[self._next].kind and kind not in FIRST
 
     def _step_of(self, kind: Kind, after_s: float) -> int | None:
         """The step whose expected time is nearest, if the window holds the event."""
         own = [(abs(self._reference[step.ordinal] - after_s), step.ordinal)
-               for step in self._brief.steps if step.kind == kind]  # fmt: skip
+               for step in self._context.steps if step.kind == kind]  # fmt: skip
         distance, ordinal = min(own, default=(np.inf, -1))
         return ordinal if distance <= self._config.window_s else None
 
@@ -254,7 +254,7 @@ class Sia(ScheduledMethod):
         self._next += 1
 
     def _follow(self, event: Event) -> ScheduleCommand:
-        step = self._brief.steps[self._next]
+        step = self._context.steps[self._next]
         self._followed = step.ordinal
         self._settle()
         why = f"{'early ' if event.early else ''}{event.kind.value} of {self._note}"
@@ -278,7 +278,7 @@ class Sia(ScheduledMethod):
 
     def _pass_over(self, event: Event, *, whole: bool = False) -> MethodAction:
         """Actions for a step that the leader is past; ``whole`` for the stop of a start that was passed over."""
-        step = self._brief.steps[self._next]
+        step = self._context.steps[self._next]
         self._settle()
         if whole or step.kind in STARTS:
             return CancelCommand(

@@ -23,7 +23,7 @@ EPSILON_S = 1.5
 dancers who are together, and far below half of the 8.1 s between two events of a kind."""
 
 
-def occurrences(
+def match_to_steps(
     times_s: Sequence[float] | Array, kinds: Sequence[str], steps: Sequence[Step], expected_s: Array
 ) -> Array:
     """One agent's time of each step of an iteration.
@@ -77,13 +77,13 @@ def main_cluster(times_s: Array, epsilon_s: float = EPSILON_S) -> BoolArray:
     return member
 
 
-def ideal_times(dancers_s: Array, epsilon_s: float = EPSILON_S, least: int = 1) -> Array:
+def ideal_times(dancers_s: Array, epsilon_s: float = EPSILON_S, min_members: int = 1) -> Array:
     """Mean time of the dancers' main cluster for every step.
 
     Args:
         dancers_s: (D, K) each dancer's time of each step [s], NaN where missing.
         epsilon_s: see `main_cluster`.
-        least: fewest members a cluster needs.
+        min_members: fewest members a cluster needs.
 
     Returns:
         (K,) ideal times [s], NaN where the cluster is smaller.
@@ -94,7 +94,7 @@ def ideal_times(dancers_s: Array, epsilon_s: float = EPSILON_S, least: int = 1) 
     ideal = np.full(len(columns), np.nan)
     for index, column in enumerate(columns):
         member = main_cluster(column, epsilon_s)
-        if member.sum() >= max(least, 1):
+        if member.sum() >= max(min_members, 1):
             ideal[index] = column[member].mean()
     return ideal
 

@@ -70,7 +70,7 @@ class ScheduleCommand:
 
     Attributes:
         iteration: which iteration.
-        ordinal: which of the brief's steps.
+        ordinal: which of the context's steps.
         t_s: session time of sending; a time that has passed means at once.
         why: evidence in words, for the decision log.
         person: the dancer whose event decided it, or "".

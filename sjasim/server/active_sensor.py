@@ -45,7 +45,7 @@ class _Client:
     facing: dict[int, float] = field(default_factory=dict)
 
 
-class ActiveClient:
+class ActiveSensorSelector:
     """Choice of the active client, and knowledge of which clients live.
 
     The iteration is the prior: each has a sensor that its heading points to, the next one's joining at

@@ -15,7 +15,7 @@ from ..core import ROBOT, Kind, Move, MoveCommand, RobotState
 from ..core.method_io import CancelCommand, MethodAction, MethodContext, ScheduleCommand, SetTimer
 from ..core.session_log import Decision, Notice
 
-MOVES = {
+ROBOT_MOVES = {
     Kind.START_FORWARD: Move.FORWARD,
     Kind.STOP_FORWARD: Move.STOP,
     Kind.START_BACKWARD: Move.BACKWARD,
@@ -75,7 +75,7 @@ class Dispatcher:
     follows a dancer whose step was half as long is that far off, and no speed could have known.
 
     Args:
-        brief: the dance.
+        context: the dance.
         timetable: headings of the iterations.
         layout: the robot's slot.
         robot: its cruise speed, acceleration and odometry rate.
@@ -83,14 +83,14 @@ class Dispatcher:
     """
 
     def __init__(
-        self, brief: MethodContext, timetable: Timetable, layout: Layout, robot: RobotConfig, heartbeat_hz: float
+        self, context: MethodContext, timetable: Timetable, layout: Layout, robot: RobotConfig, heartbeat_hz: float
     ) -> None:
-        self._brief = brief
+        self._context = context
         self._timetable = timetable
         self._slot = (float(layout.robot[0]), float(layout.robot[1]))
         self._robot = robot
         self._beat_s = 1.0 / heartbeat_hz
-        self._steps = {step.ordinal: step for step in brief.steps}
+        self._steps = {step.ordinal: step for step in context.steps}
         self._pending: dict[Key, ScheduleCommand] = {}
         self._sent_s: dict[Key, float] = {}
         self._last: Key = (-1, -1)
@@ -103,7 +103,7 @@ class Dispatcher:
         self._alive = True
         self._noticed: set[str] = set()
         self.next_due_s = math.inf
-        """Session time at which `due` or `wakes_due` has something to do; infinite for never."""
+        """Session time at which `due_commands` or `due_timers` has something to do; infinite for never."""
         self.decisions: list[Decision] = []
         self.notices: list[Notice] = []
 
@@ -117,7 +117,7 @@ class Dispatcher:
         """Where the robot last said it is, or None before it has said anything."""
         return self._state
 
-    def robot(self, t_arrival_s: float, state: RobotState) -> None:
+    def update_robot_state(self, t_arrival_s: float, state: RobotState) -> None:
         """Take in where the robot believes it is; a report overtaken by a later one is a sign of life only."""
         self._heard_s = t_arrival_s
         if not self._alive:
@@ -126,13 +126,13 @@ class Dispatcher:
         if self._state is None or state.t_s >= self._state.t_s:
             self._state = state
 
-    def listen(self, t_s: float) -> None:
+    def check_robot_alive(self, t_s: float) -> None:
         """Notice by session time ``t_s`` a robot that says nothing any more."""
         if self._alive and t_s - self._heard_s > SILENCE_S:
             self._alive = False
             self.notices.append(Notice(t_s, ROBOT, f"robot is dead: silent for more than {SILENCE_S:g} s"))
 
-    def answer(self, t_s: float, answers: Iterable[MethodAction]) -> None:
+    def handle(self, t_s: float, answers: Iterable[MethodAction]) -> None:
         """Take in a method's answers, given at session time ``t_s``.
 
         An intention for an unknown step, for one that is sent or behind a sent one, or without a finite time is
@@ -148,8 +148,8 @@ class Dispatcher:
                 self._intend(t_s, item)
         self._set_due()
 
-    def order(self, t_s: float, move: Move, speed_m_s: float = 0.0, yaw_rate_rad_s: float = 0.0) -> None:
-        """Put a command in force from outside the score, to be sent with the next `due`.
+    def command_move(self, t_s: float, move: Move, speed_m_s: float = 0.0, yaw_rate_rad_s: float = 0.0) -> None:
+        """Put a command in force from outside the score, to be sent with the next `due_commands`.
 
         Nothing is refused: a move may come again, or against the score. It stands for the nearest step of the dance
         that it can stand for, as far as speed and heading are concerned, and the score counts that step as sent.
@@ -165,7 +165,7 @@ class Dispatcher:
         self._repeat_s = t_s
         self._set_due()
 
-    def wakes_due(self, t_s: float) -> list[float]:
+    def due_timers(self, t_s: float) -> list[float]:
         """Take out the timers that have come by ``t_s``, earliest first."""
         due: list[float] = []
         while self._wakes and self._wakes[0] <= t_s:
@@ -173,7 +173,7 @@ class Dispatcher:
         self._set_due()
         return due
 
-    def due(self, t_s: float) -> list[MoveCommand]:
+    def due_commands(self, t_s: float) -> list[MoveCommand]:
         """What goes to the robot by ``t_s``: new commands in the order of the score, else a repetition if due."""
         out: list[MoveCommand] = []
         if self._pending_s <= t_s:
@@ -220,20 +220,20 @@ class Dispatcher:
         if refusal not in (NO_STEP, NO_TIME) or refusal in self._noticed:
             return
         self._noticed.add(refusal)
-        allowed = f"iterations 1 to {self._brief.iterations}, ordinals 0 to {len(self._steps) - 1}"
+        allowed = f"iterations 1 to {self._context.iterations}, ordinals 0 to {len(self._steps) - 1}"
         said = f"{what} for iteration {key[0]}, ordinal {key[1]} ignored: {refusal}"
         said += f" ({allowed})" if refusal == NO_STEP else ""
         self.notices.append(Notice(t_s, METHOD, f"{said}; further ones only in the decisions"))
 
     def _refusal(self, key: Key) -> str:
-        if key[1] not in self._steps or not 1 <= key[0] <= self._brief.iterations:
+        if key[1] not in self._steps or not 1 <= key[0] <= self._context.iterations:
             return NO_STEP
         if key in self._sent_s:
             return "already sent"
         return "a later step has been sent" if key < self._last else ""
 
     def _send(self, t_s: float, key: Key, item: ScheduleCommand) -> MoveCommand:
-        command = self._put_in_force(t_s, key, MOVES[self._steps[key[1]].kind], item.why)
+        command = self._put_in_force(t_s, key, ROBOT_MOVES[self._steps[key[1]].kind], item.why)
         self._last = key
         self._repeat_s = t_s + self._beat_s
         self._log(t_s, key, "sent", item)
@@ -260,9 +260,9 @@ class Dispatcher:
 
     def _nearest(self, t_s: float, move: Move) -> Key:
         """The step nearest in time whose move this is; for a move that no step has, any step."""
-        own = [step for step in self._brief.steps if MOVES[step.kind] is move] or self._brief.steps
+        own = [step for step in self._context.steps if ROBOT_MOVES[step.kind] is move] or self._context.steps
         return min(
-            ((iteration, step.ordinal) for iteration in range(1, self._brief.iterations + 1) for step in own),
+            ((iteration, step.ordinal) for iteration in range(1, self._context.iterations + 1) for step in own),
             key=lambda key: abs(self._timetable.time_s(key[0], self._steps[key[1]].beat) - t_s),
         )
 
@@ -288,7 +288,9 @@ class Dispatcher:
         heading = float(self._timetable.heading_rad(iteration))
         step = self._steps.get(ordinal + 1 if move is Move.STOP else ordinal)
         return (
-            heading if step is None else heading + self._steer_rad(heading, MOVES[step.kind], (iteration, step.ordinal))
+            heading
+            if step is None
+            else heading + self._steer_rad(heading, ROBOT_MOVES[step.kind], (iteration, step.ordinal))
         )
 
     def _steer_rad(self, heading: float, move: Move, key: Key) -> float:
@@ -314,7 +316,7 @@ class Dispatcher:
     def _left_m(self, command: MoveCommand) -> float:
         """How far ahead of the robot, or if negative behind it, its move should end or have ended [m]."""
         start = self._steps.get(command.ordinal - (command.move is Move.STOP))
-        move = MOVES[start.kind] if start is not None else Move.STOP
+        move = ROBOT_MOVES[start.kind] if start is not None else Move.STOP
         if move is Move.FORWARD:
             assert start is not None
             end = self._robot.cruise_m_s * self._nominal_s((command.iteration, start.ordinal))

@@ -21,7 +21,7 @@ from ..core import (
     dancer_name,
 )
 from ..core.session_log import Notice
-from .active_sensor import ActiveClient
+from .active_sensor import ActiveSensorSelector
 from .attendance import AttendanceMonitor
 from .clap_assistance import ClapAssistance
 from .clock_sync import MARGIN_S, ClockSync
@@ -61,7 +61,7 @@ class Server:
     stands in for a dead one and sees a person's back has forward and backward exchanged. Claps have an exception of
     their own, `ClapAssistance`: around their beat the clients at the side help with hands that the active one lacks.
 
-    Everything is event-driven: `receive` for what arrives, `due` for what is to be sent, `next_due_s` for when to
+    Everything is event-driven: `receive` for what arrives, `due_messages` for what is to be sent, `next_due_s` for when to
     ask again. ``notices`` grows by what went wrong: dead clients, jumped clocks, links that lose packets, reports of
     unknown persons, dancers of whom nothing is seen.
 
@@ -73,7 +73,7 @@ class Server:
 
     def __init__(self, timetable: Timetable, layout: Layout, config: SessionConfig) -> None:
         group = len(layout.dancers)
-        self._active = ActiveClient(timetable, layout, group)
+        self._active = ActiveSensorSelector(timetable, layout, group)
         cast = [dancer_name(index) for index in range(group)]
         self._persons = IdentityAssigner(cast, layout.dancers)
         self._roll_call = AttendanceMonitor(cast, timetable)
@@ -94,7 +94,7 @@ class Server:
         self._logged: dict[tuple[str, Kind], float] = {}
         self.notices: list[Notice] = []
         self.next_due_s = 0.0
-        """Session time at which `due` has something to do."""
+        """Session time at which `due_messages` has something to do."""
 
     @property
     def active(self) -> str:
@@ -108,7 +108,7 @@ class Server:
         """
         return self._clocks[sensor].session_time(t_device_s)
 
-    def known(self, sensor: str) -> Mapping[int, int]:
+    def cast_indices(self, sensor: str) -> Mapping[int, int]:
         """A sensor's persons by their places in the cast; once somebody is another one, in another mapping."""
         return self._persons.known(sensor)
 
@@ -142,7 +142,7 @@ class Server:
             self._look(t_arrival_s, message, message.persons)
         return []
 
-    def due(self, t_s: float) -> list[SyncRequest | ClientOrder]:
+    def due_messages(self, t_s: float) -> list[SyncRequest | ClientOrder]:
         """What is to be sent to the clients by ``t_s``: clock exchanges, and who watches."""
         self.notices += self._active.choose(t_s)
         if self._roll_call.next_due_s <= t_s:

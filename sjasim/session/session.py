@@ -14,7 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import cast
 
 from ..anticipation.checked_method import CheckedMethod
-from ..anticipation.method import HUMANS_ONLY, Method, build
+from ..anticipation.method import HUMANS_ONLY, Method, build_method
 from ..choreography.layout import layout
 from ..choreography.timetable import timetable
 from ..config import FAULTS, SessionConfig
@@ -28,7 +28,7 @@ from ..core.registry import resolve
 from ..core.session_log import Followed, Handover, SessionLog
 from ..server.dispatcher import Dispatcher
 from ..server.fusion import Server
-from .world import Inward, Outward, World
+from .world import DownlinkMessage, UplinkMessage, World
 
 _PACKAGES = ("sjasim", "mujoco", "numpy", "scipy", "numba", "gymnasium", "rerun-sdk", "dm-control", "pyarrow")
 
@@ -56,15 +56,17 @@ class Session:
         robot = config.method != HUMANS_ONLY
         self.method: Method | None = None
         if robot:
-            self.method = method or build(config.method, config.method_options)
+            self.method = method or build_method(config.method, config.method_options)
         self._hooks = None if self.method is None else CheckedMethod(config.method, self.method)
-        self.brief = _brief(self)
+        self.context = _context(self)
         self.server = Server(self.timetable, self.layout, config)
-        self.dispatcher = Dispatcher(self.brief, self.timetable, self.layout, config.robot, config.network.heartbeat_hz)
+        self.dispatcher = Dispatcher(
+            self.context, self.timetable, self.layout, config.robot, config.network.heartbeat_hz
+        )
         world = cast("Callable[..., World]", resolve("world", config.fidelity).factory)
         self.world = world(config, self.timetable, self.layout, robot=robot)
         if self._hooks is not None:
-            self._hooks.reset(self.brief, stream(config.seed, "anticipation", config.method))
+            self._hooks.reset(self.context, stream(config.seed, "anticipation", config.method))
         self._open_links([mount.name for mount in self.layout.mounts])
         self._boundaries = _boundaries(self)
         self._circle = self._ups, self._downs, self.server, self.dispatcher, self._boundaries
@@ -82,7 +84,7 @@ class Session:
         down = LinkQuality(network.latency_s, network.jitter_s, network.packet_loss)
         up = LinkQuality(network.latency_s + network.uplink_asymmetry_s, network.jitter_s, network.packet_loss)
         names = (*sensors, ROBOT)
-        self._ups, self._downs = Mail[Outward](), Mail[Inward]()
+        self._ups, self._downs = Mail[UplinkMessage](), Mail[DownlinkMessage]()
         seed = self.config.seed
         self._up = {name: Link(up, stream(seed, "link", name, "up"), self._ups) for name in names}
         self._down = {name: Link(down, stream(seed, "link", name, "down"), self._downs) for name in names}
@@ -115,14 +117,14 @@ class Session:
             )
             if due_s > now:
                 return
-            self._happen(self.world.instant_s(due_s))
+            self._happen(self.world.next_instant_s(due_s))
 
     def _happen(self, now: float) -> None:
         """Let happen what is due at one instant: arrivals, then timers, then what the devices are told."""
         if self._ups.next_arrival_s <= now:
             for t_arrival_s, message in self._ups.receive(now):
                 if isinstance(message, RobotState):
-                    self.dispatcher.robot(t_arrival_s, message)
+                    self.dispatcher.update_robot_state(t_arrival_s, message)
                 else:
                     self._tell(t_arrival_s, message)
         self._conduct(now)
@@ -135,7 +137,7 @@ class Session:
                 if reply is not None:
                     self._send_up(now, reply)
 
-    def _send_up(self, now: float, output: Outward) -> None:
+    def _send_up(self, now: float, output: UplinkMessage) -> None:
         if isinstance(output, DeviceEvent):
             self.device_events.append((output, now))
         sender = ROBOT if isinstance(output, RobotState) else output.sensor
@@ -148,8 +150,8 @@ class Session:
 
     def _ask(self, now: float, hook: str, told_s: float, *given: object) -> None:
         """Tell the method of something, and the dispatcher its answers; ``told_s`` is when it says that it happened."""
-        if self._hooks is not None and (answers := self._hooks.ask(hook, told_s, given)):
-            self.dispatcher.answer(now, answers)
+        if self._hooks is not None and (answers := self._hooks.call(hook, told_s, given)):
+            self.dispatcher.handle(now, answers)
 
     def _conduct(self, now: float) -> None:
         """Boundaries, timers and everything the server has to send."""
@@ -161,13 +163,13 @@ class Session:
                 self.followed += [Followed(iteration, name) for name in _or_nobody(persons)]
         if self.server.next_due_s <= now:
             if self._hooks is not None:
-                self.dispatcher.listen(now)
-            for order in self.server.due(now):
+                self.dispatcher.check_robot_alive(now)
+            for order in self.server.due_messages(now):
                 self._down[order.sensor].send(now, order)
         if self._hooks is not None and self.dispatcher.next_due_s <= now:
-            for wake_s in self.dispatcher.wakes_due(now):
+            for wake_s in self.dispatcher.due_timers(now):
                 self._ask(now, "on_timer", wake_s, wake_s)
-            for command in self.dispatcher.due(now):
+            for command in self.dispatcher.due_commands(now):
                 if not self.commands or command.number != self.commands[-1].number:
                     self.commands.append(command)
                 self._down[ROBOT].send(now, command)
@@ -180,7 +182,7 @@ class Session:
         notices = sorted(noticed, key=lambda notice: notice.t_s)
         return SessionLog(
             config=to_plain(self.config),
-            versions=versions(),
+            versions=package_versions(),
             cues=tuple(world.cues),
             device_events=tuple(self.device_events),
             events=tuple(self.events),
@@ -228,7 +230,7 @@ def run_session(
 
 
 @cache
-def versions() -> Mapping[str, str]:
+def package_versions() -> Mapping[str, str]:
     """Versions of the packages that a session's outcome depends on; those not installed are left out."""
     found: dict[str, str] = {}
     for name in _PACKAGES:
@@ -244,7 +246,7 @@ def _or_nobody(persons: Sequence[str] | None) -> Sequence[str]:
     return () if persons is None else persons or ("",)
 
 
-def _brief(session: Session) -> MethodContext:
+def _context(session: Session) -> MethodContext:
     table, config = session.timetable, session.config
     iterations = range(config.iterations + 1)
     return MethodContext(

@@ -22,9 +22,9 @@ from ..core import (
 )
 from ..core.session_log import AgentEvent, Notice
 
-Inward = MoveCommand | SyncRequest | ClientOrder
+DownlinkMessage = MoveCommand | SyncRequest | ClientOrder
 """What arrives at a world's devices."""
-Outward = DeviceEvent | ClientStatus | SyncReply | RobotState
+UplinkMessage = DeviceEvent | ClientStatus | SyncReply | RobotState
 """What a world's devices send."""
 
 
@@ -77,11 +77,11 @@ class World(Protocol):
         """Session time that has been reached [s]."""
         ...
 
-    def instant_s(self, t_s: float) -> float:
+    def next_instant_s(self, t_s: float) -> float:
         """The first instant that is not before a time: all that happens in a session happens at instants [s]."""
         ...
 
-    def deliver(self, now_s: float, t_arrival_s: float, message: Inward) -> SyncReply | None:
+    def deliver(self, now_s: float, t_arrival_s: float, message: DownlinkMessage) -> SyncReply | None:
         """Hand a message to the device that it is for.
 
         Args:
@@ -94,11 +94,11 @@ class World(Protocol):
         """
         ...
 
-    def latest(self, sensor: str) -> SkeletonFrame | None:
+    def latest_frame(self, sensor: str) -> SkeletonFrame | None:
         """The last frame that a sensor's client has processed; None before the first."""
         ...
 
-    def advance(self, until_s: float) -> list[Outward]:
+    def advance(self, until_s: float) -> list[UplinkMessage]:
         """Give devices whose turn it is their turn, then go on to the next turn of any.
 
         Args:

@@ -40,7 +40,7 @@ from ..humans.timing.replay import Replay
 from ..sensors.client import ROUNDING_S, SensorClient
 from ..sensors.skeleton_source import SkeletonSource
 from ..session.session import Session
-from ..session.world import Inward, Outward
+from ..session.world import DownlinkMessage, UplinkMessage
 from .cast import felt_error_s, people, performed_cues, person
 from .control_loop import DancerController, RobotController
 from .physics import Physics
@@ -88,7 +88,7 @@ class PhysicsWorld:
         self.recorder = GroundTruthRecorder(self.physics.servos.weight, every, self.reference.rows.shape[1] // every)
         self.dancers = DancerController(self.physics, self.balance, self.recorder)
         self._equip(config, layout, robot)
-        self._outbox: list[Outward] = []
+        self._outbox: list[UplinkMessage] = []
         self._check_s = 0.0
         self._next_iteration = timetable.first
         self._begin_s = 0.0
@@ -162,11 +162,11 @@ class PhysicsWorld:
         """Session time that has been reached [s]."""
         return self.physics.time_s
 
-    def instant_s(self, t_s: float) -> float:
+    def next_instant_s(self, t_s: float) -> float:
         """See `World`: a tick of the physics."""
         return self.physics.ticks.first_s(t_s)
 
-    def deliver(self, now_s: float, t_arrival_s: float, message: Inward) -> SyncReply | None:
+    def deliver(self, now_s: float, t_arrival_s: float, message: DownlinkMessage) -> SyncReply | None:
         """See `World`."""
         if not isinstance(message, MoveCommand):
             return self._clients[message.sensor].handle_message(t_arrival_s, message, now_s)
@@ -174,7 +174,7 @@ class PhysicsWorld:
             self.robot.receive(now_s, message)
         return None
 
-    def advance(self, until_s: float) -> list[Outward]:
+    def advance(self, until_s: float) -> list[UplinkMessage]:
         """See `World`; instants between two ticks count as the later one."""
         physics = self.physics
         now = physics.time_s
@@ -190,7 +190,7 @@ class PhysicsWorld:
         physics.step_to(turn)
         return self._outbox
 
-    def latest(self, sensor: str) -> SkeletonFrame | None:
+    def latest_frame(self, sensor: str) -> SkeletonFrame | None:
         """The last frame that a sensor's client has processed."""
         return self._clients[sensor].latest_frame
 

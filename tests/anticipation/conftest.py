@@ -1,11 +1,11 @@
-"""Scripted dances for the methods' tests: a brief, and events that tell a story."""
+"""Scripted dances for the methods' tests: a context, and events that tell a story."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from sjasim.anticipation.method import build
+from sjasim.anticipation.method import build_method
 from sjasim.choreography.paper import paper
 from sjasim.choreography.timetable import Timetable
 from sjasim.core import Event, Kind
@@ -20,7 +20,7 @@ NOMINAL = np.array([step.beat * BEAT_S for step in STEPS])
 DELAY_S = 0.02
 
 
-def brief(cast=CAST):
+def context(cast=CAST):
     span = range(5)
     return MethodContext(
         cast,
@@ -56,8 +56,8 @@ class Story:
     """Plays events to a method and keeps its latest answer for every step, as the dispatcher would."""
 
     def __init__(self, name, cast=CAST, **options):
-        self.method = build(name, options)
-        self.method.reset(brief(cast), np.random.default_rng(0))
+        self.method = build_method(name, options)
+        self.method.reset(context(cast), np.random.default_rng(0))
         self.plan = {}
         self.answers = []
         self.wakes = []
@@ -104,5 +104,5 @@ class Story:
 @pytest.fixture
 def story():
     """What tells a story: the stage, the events, the music."""
-    return SimpleNamespace(Story=Story, event=event, dance=dance, start_s=start_s, brief=brief,
+    return SimpleNamespace(Story=Story, event=event, dance=dance, start_s=start_s, context=context,
                            nominal=NOMINAL, delay_s=DELAY_S, timetable=TIMETABLE)  # fmt: skip

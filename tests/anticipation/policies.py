@@ -2,18 +2,18 @@
 
 import numpy as np
 
-from sjasim.anticipation.observation import MOVES, Features
-from sjasim.server.dispatcher import MOVES as MOVE_OF
+from sjasim.anticipation.observation import MOVES, EventFeatures
+from sjasim.server.dispatcher import ROBOT_MOVES
 
-from ..contracts.test_anticipation import STEPS, brief
+from ..contracts.test_anticipation import STEPS, context
 
-WIDTH = len(Features(brief()).row(0.0, 0, 0.0))
+WIDTH = len(EventFeatures(context()).row(0.0, 0, 0.0))
 
 
 def write(path, lead=0.5, **changes):
     """A policy that wants each of the dance's moves from ``lead`` beats before it has its beat, and knows no people."""
     changing = len(STEPS) - 1
-    moves = [MOVES.index(MOVE_OF[step.kind]) for step in STEPS]
+    moves = [MOVES.index(ROBOT_MOVES[step.kind]) for step in STEPS]
     w0, w1 = np.zeros((changing, WIDTH)), np.zeros((4, changing))
     w0[:, 0] = 1e4  # of the beat over 40: a switch
     for k in range(changing):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sjasim.anticipation.checked_method import CheckedMethod
-from sjasim.anticipation.method import build
+from sjasim.anticipation.method import build_method
 from sjasim.core.errors import ConfigError, HookError, PluginError
 from sjasim.core.method_io import CancelCommand, MethodContext, ScheduleCommand, SetTimer
 
@@ -20,7 +20,7 @@ class Mine:
     def __init__(self):
         self.answer = ()
 
-    def reset(self, brief, rng):
+    def reset(self, context, rng):
         pass
 
     def on_event(self, event):
@@ -46,7 +46,7 @@ def mine():
 
 def asked(mine, answer, told_s=2.0):
     mine.answer = answer
-    return CheckedMethod("my:Mine", mine).ask("on_event", told_s, (None,))
+    return CheckedMethod("my:Mine", mine).call("on_event", told_s, (None,))
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_an_error_of_the_users_own_is_kept_and_named(mine):
     with pytest.raises(
         HookError, match=r"my:Mine.on_timer failed at session time 6.520 s: ZeroDivisionError"
     ) as caught:
-        CheckedMethod("my:Mine", mine).ask("on_timer", 6.52, (6.52,))
+        CheckedMethod("my:Mine", mine).call("on_timer", 6.52, (6.52,))
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
 
 
@@ -155,5 +155,5 @@ def module(monkeypatch):
 )
 def test_what_cannot_be_made_or_called_is_named(module, name, options, error, says):
     with pytest.raises(error, match=says):
-        build(f"my:{name}", options)
-    assert build("my:Gainful", {"gain": 2.0}).inverse == 0.5
+        build_method(f"my:{name}", options)
+    assert build_method("my:Gainful", {"gain": 2.0}).inverse == 0.5

@@ -6,18 +6,18 @@ import itertools
 import numpy as np
 import pytest
 
-from sjasim.anticipation.learned import LEEWAY_BEATS, Network, Steps
-from sjasim.anticipation.method import build
-from sjasim.anticipation.observation import MOVES, Features
+from sjasim.anticipation.learned import LEEWAY_BEATS, PolicyNetwork, StepSelector
+from sjasim.anticipation.method import build_method
+from sjasim.anticipation.observation import MOVES, EventFeatures
 from sjasim.core import Event, Kind
 from sjasim.core.errors import ConfigError
 from sjasim.core.method_io import CancelCommand, ScheduleCommand, SetTimer
-from sjasim.server.dispatcher import MOVES as MOVE_OF
+from sjasim.server.dispatcher import ROBOT_MOVES
 
-from ..contracts.test_anticipation import STEPS, brief
+from ..contracts.test_anticipation import STEPS, context
 from .policies import WIDTH, write
 
-PLAN = brief()
+PLAN = context()
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def dance(method, plan):
 
 
 def start(policy, plan):
-    method = build("learned", {"policy": policy})
+    method = build_method("learned", {"policy": policy})
     method.reset(plan, np.random.default_rng(0))
     return method
 
@@ -53,11 +53,11 @@ def start(policy, plan):
 def test_a_file_of_another_kind_is_refused_without_advice_to_load_it(tmp_path):
     (tmp_path / "notes.md").write_text("# Notes")
     with pytest.raises(ConfigError, match="it is none"):
-        build("learned", {"policy": str(tmp_path / "notes.md")})
+        build_method("learned", {"policy": str(tmp_path / "notes.md")})
 
 
 def test_it_keeps_the_contract(policy):
-    plan = brief()
+    plan = context()
     answers = dance(start(policy, plan), plan)
     own = [answer for _, answer in answers if isinstance(answer, ScheduleCommand)]
     assert not any(isinstance(answer, CancelCommand) for _, answer in answers)
@@ -70,7 +70,7 @@ def test_it_keeps_the_contract(policy):
 
 
 def test_it_asks_at_the_rate_it_was_trained_with(policy):
-    plan = brief()
+    plan = context()
     wakes = sorted({answer.t_s for _, answer in dance(start(policy, plan), plan) if isinstance(answer, SetTimer)})
     assert np.diff(wakes) == pytest.approx(0.1)
 
@@ -82,65 +82,65 @@ def test_it_asks_at_the_rate_it_was_trained_with(policy):
 )  # fmt: skip
 def test_a_wrong_file_is_refused(tmp_path, changes, says):
     with pytest.raises(ConfigError, match=says):
-        build("learned", {"policy": write(tmp_path / "wrong.npz", **changes)})
+        build_method("learned", {"policy": write(tmp_path / "wrong.npz", **changes)})
 
 
 def test_no_file_is_refused(tmp_path):
     with pytest.raises(ConfigError, match="trained policy"):
-        build("learned")
+        build_method("learned")
     with pytest.raises(ConfigError, match=r"missing\.npz"):
-        build("learned", {"policy": str(tmp_path / "missing.npz")})
+        build_method("learned", {"policy": str(tmp_path / "missing.npz")})
 
 
 def test_a_policy_of_other_people_is_refused(policy):
     with pytest.raises(ConfigError, match="features"):
-        start(policy, brief(("dancer_1", "dancer_2")))
+        start(policy, context(("dancer_1", "dancer_2")))
 
 
 def test_the_network_is_the_textbooks(tmp_path):
-    network = Network.read(write(tmp_path / "policy.npz", clip=0.5))
+    network = PolicyNetwork.read(write(tmp_path / "policy.npz", clip=0.5))
     x = np.linspace(-1, 1, WIDTH)
     (w0, b0), (w1, b1) = network.layers
     assert network.scores(x) == pytest.approx(w1 @ np.tanh(w0 @ np.clip(x, -0.5, 0.5) + b0) + b1)
 
 
-class TestSteps:
+class TestStepSelector:
     """The paper's dance: forward at beat 0, stop 4, backward 8, stop 12 and so on, clap and turn at 32."""
 
     def at(self, beat, iteration=1):
         return PLAN.iteration_start_s[iteration] + beat * PLAN.beat_s
 
     def test_a_wanted_move_is_the_nearest_step_of_its_kind(self):
-        steps = Steps(PLAN)
-        wanted = [(first.beat, MOVES.index(MOVE_OF[first.kind])) for first in STEPS]
-        assert [steps.take(self.at(beat + 0.5), move) for beat, move in wanted] == [(1, k) for k in range(len(STEPS))]
+        steps = StepSelector(PLAN)
+        wanted = [(first.beat, MOVES.index(ROBOT_MOVES[first.kind])) for first in STEPS]
+        assert [steps.select(self.at(beat + 0.5), move) for beat, move in wanted] == [(1, k) for k in range(len(STEPS))]
 
     def test_none_is_sent_twice_or_behind_another(self):
-        steps = Steps(PLAN)
-        assert steps.take(self.at(STEPS[2].beat), MOVES.index("backward")) == (1, 2)
-        assert steps.take(self.at(STEPS[1].beat), MOVES.index("stop")) is None
+        steps = StepSelector(PLAN)
+        assert steps.select(self.at(STEPS[2].beat), MOVES.index("backward")) == (1, 2)
+        assert steps.select(self.at(STEPS[1].beat), MOVES.index("stop")) is None
         assert steps.move == MOVES.index("backward")
-        assert steps.take(self.at(STEPS[2].beat), MOVES.index("backward")) is None
+        assert steps.select(self.at(STEPS[2].beat), MOVES.index("backward")) is None
 
     def test_far_from_its_beat_a_move_means_nothing(self):
-        steps = Steps(PLAN)
+        steps = StepSelector(PLAN)
         turn = MOVES.index("turn")
-        assert steps.take(self.at(STEPS[-1].beat - 1.01 * LEEWAY_BEATS), turn) is None
-        assert steps.take(self.at(STEPS[-1].beat - 0.99 * LEEWAY_BEATS), turn) == (1, len(STEPS) - 1)
+        assert steps.select(self.at(STEPS[-1].beat - 1.01 * LEEWAY_BEATS), turn) is None
+        assert steps.select(self.at(STEPS[-1].beat - 0.99 * LEEWAY_BEATS), turn) == (1, len(STEPS) - 1)
 
     def test_a_move_can_be_stopped_however_late(self):
-        steps = Steps(PLAN)
-        assert steps.take(self.at(0.0), MOVES.index("forward")) == (1, 0)
-        assert steps.take(self.at(8.4), MOVES.index("stop")) == (1, 1)
-        assert steps.take(self.at(8.6), MOVES.index("backward")) == (1, 2)
+        steps = StepSelector(PLAN)
+        assert steps.select(self.at(0.0), MOVES.index("forward")) == (1, 0)
+        assert steps.select(self.at(8.4), MOVES.index("stop")) == (1, 1)
+        assert steps.select(self.at(8.6), MOVES.index("backward")) == (1, 2)
 
     def test_nothing_is_sent_in_the_rehearsal(self):
-        assert Steps(PLAN).take(self.at(0.0, 0), MOVES.index("forward")) is None
+        assert StepSelector(PLAN).select(self.at(0.0, 0), MOVES.index("forward")) is None
 
 
-class TestFeatures:
+class TestEventFeatures:
     def test_events_age_and_are_forgotten(self):
-        features = Features(plan := brief())
+        features = EventFeatures(plan := context())
         t_s = plan.iteration_start_s[1]
         features.add(Event("dancer_2", Kind.CLAP, t_s, t_s + 0.02, False, 1, "north"))
         features.add(Event("dancer_2", Kind.STOP_FORWARD, t_s + 1, t_s + 1.02, True, 1, "north"))
@@ -153,12 +153,12 @@ class TestFeatures:
 
     def test_an_event_of_the_future_is_new(self):
         """A clock that has jumped may say so; an age is never negative."""
-        features = Features(brief())
+        features = EventFeatures(context())
         features.add(Event("dancer_1", Kind.CLAP, 9.0, 5.0, False, 1, "north"))
         assert self.parts(features, 6.0)[3][0, 4, 0] == 0.0
 
     def test_the_last_iteration_is_told_against_the_music(self):
-        features = Features(plan := brief())
+        features = EventFeatures(plan := context())
         for step in STEPS:
             t_s = plan.iteration_start_s[1] + step.beat * plan.beat_s + 0.25
             features.add(Event("dancer_3", step.kind, t_s, t_s, False, 1, "north"))
@@ -168,7 +168,7 @@ class TestFeatures:
         assert not late[:2].any()
 
     def test_the_beat_runs_through_the_iteration(self):
-        features = Features(plan := brief())
+        features = EventFeatures(plan := context())
         beat = self.parts(features, plan.iteration_start_s[2] + 10 * plan.beat_s)[0]
         assert beat[0] == pytest.approx(0.25)
         assert beat[1:5] == pytest.approx([1, -1, 0, 0], abs=1e-5)
@@ -183,6 +183,6 @@ class TestFeatures:
         return beat, move, sent, ages.reshape(3, 5, 2), iteration, late.reshape(3, -1)
 
     def test_the_move_in_force_is_one_of_four(self):
-        features = Features(brief())
+        features = EventFeatures(context())
         row = features.row(5.0, MOVES.index("turn"), 3.0)
         assert row[9:14].tolist() == [0.0, 0.0, 0.0, 1.0, 2.0]

@@ -66,7 +66,7 @@ def test_early_events_and_strangers_are_no_history(story):
     stage = story.Story("eca")
     for person in (*AT, "stranger"):
         for step in range(9):
-            kind = story.brief().steps[step].kind
+            kind = story.context().steps[step].kind
             stage.tell(story.event(person, 0, kind, story.nominal[step] + 9.0, early=person != "stranger"))
     stage.end(0)
     assert stage.after(1) == pytest.approx(story.nominal - LEAD_S)

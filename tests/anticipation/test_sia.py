@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sjasim.anticipation.method import build
+from sjasim.anticipation.method import build_method
 from sjasim.anticipation.scheduled_method import LEAD_S
 from sjasim.anticipation.sia import HOLD_S
 from sjasim.choreography.march import march
@@ -91,7 +91,7 @@ def test_only_the_expected_kind_counts(following, story):
 
 def test_an_early_clap_is_no_clap(following, story):
     for step in range(8):
-        following.tell(story.event("dancer_1", 2, story.brief().steps[step].kind, story.nominal[step]))
+        following.tell(story.event("dancer_1", 2, story.context().steps[step].kind, story.nominal[step]))
     assert following.tell(story.event("dancer_1", 2, CLAP, story.nominal[8], early=True)) == []
     assert sent(following.tell(story.event("dancer_1", 2, CLAP, story.nominal[8] + 0.1))) == [(8, "dancer_1")]
 
@@ -286,7 +286,7 @@ def test_a_new_leader_is_followed_from_the_close_of_the_window(story):
 def test_a_dance_that_ends_with_a_move_is_danced_alone_to_its_end(story):
     steps, starts = march().steps(), (4.0, 30.0, 60.0)
     ends = tuple(start + 24.0 for start in starts)
-    method = build("sia")
+    method = build_method("sia")
     method.reset(MethodContext(("dancer_1", "dancer_2"), steps, 2, 0.5, starts, ends), np.random.default_rng(0))
     for iteration in (0, 1):
         for step in steps:

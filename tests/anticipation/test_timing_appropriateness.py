@@ -6,7 +6,7 @@ import pytest
 from sjasim.anticipation.timing_appropriateness import (
     ideal_times,
     main_cluster,
-    occurrences,
+    match_to_steps,
     timing_appropriateness,
 )
 from sjasim.choreography.paper import paper
@@ -19,24 +19,24 @@ NAN = np.nan
 
 def test_every_event_finds_its_occurrence_in_any_order():
     kinds = [step.kind for step in STEPS]
-    found = occurrences(EXPECTED[::-1] + 0.3, kinds[::-1], STEPS, EXPECTED)
+    found = match_to_steps(EXPECTED[::-1] + 0.3, kinds[::-1], STEPS, EXPECTED)
     assert found == pytest.approx(EXPECTED + 0.3)
 
 
 def test_a_missing_first_occurrence_does_not_shift_the_second():
-    found = occurrences([EXPECTED[4] - 0.9], [Kind.START_FORWARD], STEPS, EXPECTED)
+    found = match_to_steps([EXPECTED[4] - 0.9], [Kind.START_FORWARD], STEPS, EXPECTED)
     assert np.isnan(found[0])
     assert found[4] == pytest.approx(EXPECTED[4] - 0.9)
 
 
 def test_of_two_claims_the_nearer_counts_and_unknown_kinds_do_not():
-    found = occurrences([0.9, 0.1, 5.0], [Kind.START_FORWARD] * 2 + [Kind.TURN], STEPS[:2], EXPECTED[:2])
+    found = match_to_steps([0.9, 0.1, 5.0], [Kind.START_FORWARD] * 2 + [Kind.TURN], STEPS[:2], EXPECTED[:2])
     assert found[0] == pytest.approx(0.1)
     assert np.isnan(found[1])
 
 
 def test_a_turn_is_the_claps_occurrence():
-    assert occurrences([16.5], [Kind.TURN], STEPS, EXPECTED)[8] == 16.5
+    assert match_to_steps([16.5], [Kind.TURN], STEPS, EXPECTED)[8] == 16.5
 
 
 @pytest.mark.parametrize(
@@ -57,6 +57,6 @@ def test_main_cluster(times, members):
 def test_ideal_is_the_mean_of_those_together():
     dancers = np.array([[1.0, 4.0, NAN], [1.2, NAN, NAN], [9.0, NAN, NAN]])
     assert ideal_times(dancers) == pytest.approx([1.1, 4.0, NAN], nan_ok=True)
-    assert ideal_times(dancers, least=2) == pytest.approx([1.1, NAN, NAN], nan_ok=True)
+    assert ideal_times(dancers, min_members=2) == pytest.approx([1.1, NAN, NAN], nan_ok=True)
     robot = np.array([0.6, NAN, 7.0])
     assert timing_appropriateness(robot, dancers) == pytest.approx([0.5, NAN, NAN], nan_ok=True)

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from sjasim.anticipation.method import Method, build
+from sjasim.anticipation.method import Method, build_method
 from sjasim.choreography.paper import paper
 from sjasim.choreography.timetable import Timetable
 from sjasim.core import Event, Kind, registry
@@ -20,7 +20,7 @@ METHODS = tuple(name for name in registry.names("anticipation") if name != "lear
 """All but the one that needs a trained policy's file (tests/anticipation/test_learned.py)."""
 
 
-def brief(cast=("dancer_1", "dancer_2", "dancer_3"), shift=0.0):
+def context(cast=("dancer_1", "dancer_2", "dancer_3"), shift=0.0):
     starts = tuple(TIMETABLE.start_s(i) + shift for i in range(5))
     return MethodContext(cast, STEPS, 4, 60 / 118, starts, tuple(TIMETABLE.close_s(i) + shift for i in range(5)))
 
@@ -53,7 +53,7 @@ def dance(method, plan, seed=0, missing=0.1, noise_s=0.3):
 
 
 def start(name, plan, seed=0):
-    method = build(name)
+    method = build_method(name)
     method.reset(plan, np.random.default_rng(seed))
     return method
 
@@ -62,7 +62,7 @@ def start(name, plan, seed=0):
 class TestEveryMethod:
     def test_keeps_the_protocol_and_has_documented_frozen_options(self, name):
         entry = registry.resolve("anticipation", name)
-        assert isinstance(build(name), Method)
+        assert isinstance(build_method(name), Method)
         assert entry.factory.__doc__
         if entry.config is not None:
             assert dataclasses.is_dataclass(entry.config)
@@ -70,7 +70,7 @@ class TestEveryMethod:
             assert all(f"{field.name}:" in entry.config.__doc__ for field in dataclasses.fields(entry.config))
 
     def test_answers_only_for_steps_that_exist(self, name):
-        plan = brief()
+        plan = context()
         for now, answer in dance(start(name, plan), plan):
             assert isinstance(answer, ScheduleCommand | CancelCommand | SetTimer)
             if isinstance(answer, ScheduleCommand):
@@ -85,13 +85,13 @@ class TestEveryMethod:
                 assert plan.window_end_s[answer.iteration - 1] <= now
 
     def test_intends_every_step_of_a_clean_dance(self, name):
-        plan = brief()
+        plan = context()
         answers = dance(start(name, plan), plan, missing=0.0, noise_s=0.02)
         intended = {(a.iteration, a.ordinal) for _, a in answers if isinstance(a, ScheduleCommand)}
         assert intended == {(i, step.ordinal) for i in range(1, 5) for step in STEPS}
 
     def test_same_story_same_answers_and_reset_forgets(self, name):
-        plan = brief()
+        plan = context()
         method = start(name, plan)
         first = dance(method, plan)
         method.reset(plan, np.random.default_rng(0))
@@ -99,7 +99,7 @@ class TestEveryMethod:
         assert dance(start(name, plan), plan) == first
 
     def test_shifting_the_clock_shifts_the_answers(self, name):
-        plan, later = brief(), brief(shift=1000.0)
+        plan, later = context(), context(shift=1000.0)
         for (_, a), (_, b) in zip(dance(start(name, plan), plan), dance(start(name, later), later), strict=True):
             assert type(a) is type(b)
             if not isinstance(a, CancelCommand):
@@ -107,25 +107,25 @@ class TestEveryMethod:
 
     @pytest.mark.parametrize("cast", [("dancer_1",), ("dancer_1", "dancer_2"), tuple(f"dancer_{i}" for i in range(8))])
     def test_dances_with_groups_of_any_size(self, name, cast):
-        plan = brief(cast)
+        plan = context(cast)
         assert dance(start(name, plan), plan)
 
     def test_survives_silence(self, name):
-        plan = brief()
+        plan = context()
         dance(start(name, plan), plan, missing=1.1)
 
 
 def test_options_are_checked():
     with pytest.raises(ConfigError, match="lead_s"):
-        build("eca", {"lead": 0.1})
+        build_method("eca", {"lead": 0.1})
     with pytest.raises(ConfigError, match="window_s"):
-        build("sia", {"window_s": -1.0})
+        build_method("sia", {"window_s": -1.0})
     with pytest.raises(ConfigError, match="edges"):
-        build("sia", {"edges": "some"})
+        build_method("sia", {"edges": "some"})
     with pytest.raises(UnknownNameError, match="metronome"):
-        build("tarantella")
+        build_method("tarantella")
 
 
 def test_what_is_no_method_is_named():
     with pytest.raises(PluginError, match="on_event"):
-        build("collections:OrderedDict")
+        build_method("collections:OrderedDict")

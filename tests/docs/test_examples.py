@@ -34,11 +34,11 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture
-def brief_and_log():
+def context_and_log():
     log = session(iterations=2, joints=False)
     table = timetable(from_plain(log.config))
     numbers = range(3)
-    brief = MethodContext(
+    context = MethodContext(
         cast=("dancer_1", "dancer_2", "dancer_3"),
         steps=table.choreography.steps(),
         iterations=2,
@@ -46,15 +46,15 @@ def brief_and_log():
         iteration_start_s=tuple(table.start_s(number) for number in numbers),
         window_end_s=tuple(table.close_s(number) for number in numbers),
     )
-    return brief, log
+    return context, log
 
 
 @pytest.mark.parametrize("dancer", ["dancer_1", "dancer_3"])
-def test_the_example_commands_every_step_once_seen(brief_and_log, monkeypatch, dancer):
-    brief, log = brief_and_log
+def test_the_example_commands_every_step_once_seen(context_and_log, monkeypatch, dancer):
+    context, log = context_and_log
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "examples"))
-    plugin = method.build("follow_first:FollowFirst", {"dancer": dancer})
-    plugin.reset(brief, np.random.default_rng(0))
+    plugin = method.build_method("follow_first:FollowFirst", {"dancer": dancer})
+    plugin.reset(context, np.random.default_rng(0))
     answers = [answer for event in sorted(log.events, key=lambda e: e.t_arrival_s) for answer in plugin.on_event(event)]
     assert all(isinstance(answer, ScheduleCommand) and answer.person == dancer for answer in answers)
     assert [(answer.iteration, answer.ordinal) for answer in answers] == [(i, k) for i in (1, 2) for k in range(9)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sjasim.anticipation.observation import MOVES
-from sjasim.server.dispatcher import MOVES as MOVE_OF
+from sjasim.server.dispatcher import ROBOT_MOVES
 
 FAST = {"iterations": 1, "dance": {"rehearsal": False}}
 """The shortest dance there is: 25 s."""
@@ -34,12 +34,12 @@ class Oracle:
 
     def __call__(self, env, observation):
         iteration, ordinal = self._next
-        steps = self._session.brief.steps
+        steps = self._session.context.steps
         times = [t_s for cue in self._session.world.cues if cue.iteration == iteration
                  for k, (_, t_s) in enumerate(cue.events()) if cue.ordinal + k == ordinal]  # fmt: skip
         kind = steps[ordinal].kind
         if times and self._session.time_s + 1 / 60 >= np.mean(times) - LEAD_S[kind.value.partition("_")[0]]:
-            self._action = MOVES.index(MOVE_OF[kind])
+            self._action = MOVES.index(ROBOT_MOVES[kind])
             self._next = (iteration, ordinal + 1) if ordinal + 1 < len(steps) else (iteration + 1, 0)
         return self._action
 

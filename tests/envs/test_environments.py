@@ -22,7 +22,7 @@ from sjasim_envs.wrappers import InOrder, MethodPolicy
 
 import sjasim
 from sjasim.analysis.session_metrics import measures
-from sjasim.anticipation.observation import MOVES, Features
+from sjasim.anticipation.observation import MOVES, EventFeatures
 from sjasim.core import registry
 
 from .dancers import FAST, dance, leave_be
@@ -85,7 +85,7 @@ def test_an_observation_that_somebody_keeps_stays_as_it_was():
 def test_told_is_what_a_method_is_told():
     env = MethodPolicy(make(method="eca"))
     row = env.reset(seed=3)[0]
-    session, features = env.unwrapped.session, Features(env.unwrapped.session.brief)
+    session, features = env.unwrapped.session, EventFeatures(env.unwrapped.session.context)
     session.advance(9.0)
     env.unwrapped._steps = 270
     row = env.step(1)[0]
@@ -104,7 +104,7 @@ def test_in_order_steps_are_sent_once_and_near_their_beat():
     env.reset(seed=3)
     session = env.unwrapped.session
     forward, backward, turn = (MOVES.index(name) for name in ("forward", "backward", "turn"))
-    start_s = session.brief.iteration_start_s[1]
+    start_s = session.context.iteration_start_s[1]
     seen = []
     for t_s, action in ((start_s - 2.0, turn), (start_s, forward), (start_s + 0.2, backward), (start_s + 0.4, forward)):
         while session.time_s < t_s - 1e-9:

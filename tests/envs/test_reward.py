@@ -41,7 +41,7 @@ class Story:
             robot_pose=lambda: (room.robot[0] + self.pose[0], room.robot[1] + self.pose[1], math.pi / 2),
         )
         self.session = SimpleNamespace(
-            brief=MethodContext(CAST, STEPS, 2, 60 / 118, starts, ends), config=CONFIG, timetable=TABLE, layout=room,
+            context=MethodContext(CAST, STEPS, 2, 60 / 118, starts, ends), config=CONFIG, timetable=TABLE, layout=room,
             events=[], followed=[], world=SimpleNamespace(robot_events=[]), time_s=starts[1],
         )  # fmt: skip
         self.scorer = Scorer(self.session, physics, RewardConfig.of(weights))

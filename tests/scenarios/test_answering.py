@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sjasim.anticipation.method import build
+from sjasim.anticipation.method import build_method
 from sjasim.choreography.layout import layout
 from sjasim.choreography.paper import paper
 from sjasim.choreography.timetable import Timetable
@@ -18,7 +18,7 @@ TIMETABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)
 STEPS = TIMETABLE.choreography.steps()
 BEAT_S = 60 / 118
 CAST = ("dancer_1", "dancer_2", "dancer_3")
-BRIEF = MethodContext(CAST, STEPS, 4, BEAT_S, tuple(TIMETABLE.start_s(i) for i in range(5)),
+CONTEXT = MethodContext(CAST, STEPS, 4, BEAT_S, tuple(TIMETABLE.start_s(i) for i in range(5)),
               tuple(TIMETABLE.close_s(i) for i in range(5)))  # fmt: skip
 LEAD_S = 0.1
 
@@ -41,9 +41,9 @@ def performance(seed, lost=0.05, common_s=0.4, own_s=0.1):
 
 def conduct(name, events):
     """Runs a method against the dispatcher, and returns it with every command in the order of sending."""
-    method = build(name)
-    method.reset(BRIEF, np.random.default_rng(0))
-    dispatcher = Dispatcher(BRIEF, TIMETABLE, layout(CONFIG), CONFIG.robot, 10)
+    method = build_method(name)
+    method.reset(CONTEXT, np.random.default_rng(0))
+    dispatcher = Dispatcher(CONTEXT, TIMETABLE, layout(CONFIG), CONFIG.robot, 10)
     agenda = [(event.t_arrival_s, method.on_event, (event,)) for event in events]
     for i in range(5):
         agenda.append((TIMETABLE.start_s(i), method.on_iteration_start, (i, TIMETABLE.start_s(i))))
@@ -52,11 +52,11 @@ def conduct(name, events):
     for t_s, hook, arguments in [*sorted(agenda, key=lambda item: item[0]), (TIMETABLE.end_s(), lambda: (), ())]:
         while dispatcher.next_due_s <= t_s:
             now = dispatcher.next_due_s
-            commands += dispatcher.due(now)
-            for wake in dispatcher.wakes_due(now):
-                dispatcher.answer(wake, method.on_timer(wake))
-        dispatcher.answer(t_s, hook(*arguments))
-        commands += dispatcher.due(t_s)
+            commands += dispatcher.due_commands(now)
+            for wake in dispatcher.due_timers(now):
+                dispatcher.handle(wake, method.on_timer(wake))
+        dispatcher.handle(t_s, hook(*arguments))
+        commands += dispatcher.due_commands(t_s)
     return dispatcher, list({command.number: command for command in commands}.values())
 
 

@@ -6,7 +6,7 @@ import pytest
 from sjasim_envs.wrappers import InOrder, MethodPolicy
 
 import sjasim
-from sjasim.anticipation.learned import Network
+from sjasim.anticipation.learned import PolicyNetwork
 
 from ..anticipation.policies import write
 
@@ -22,7 +22,7 @@ def test_a_policy_dances_a_whole_session_as_it_does_in_the_environment(tmp_path)
     assert all("the policy wants" in decision.why for decision in log.decisions if decision.ordinal >= 0)
 
     env = InOrder(gym.make("sjasim/Dance-v0", step_hz=10, disable_env_checker=True, **options))
-    told, network, over = MethodPolicy(env), Network.read(file), False
+    told, network, over = MethodPolicy(env), PolicyNetwork.read(file), False
     observation, _ = told.reset()
     while not over:
         observation, _, over, _, _ = told.step(int(np.argmax(network.scores(observation.astype(float)))))

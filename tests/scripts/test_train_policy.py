@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sjasim.anticipation.learned import Network
-from sjasim.anticipation.method import build
+from sjasim.anticipation.learned import PolicyNetwork
+from sjasim.anticipation.method import build_method
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -55,7 +55,7 @@ def test_a_short_training_leaves_a_policy_and_what_it_takes_to_go_on(tmp_path, m
     training.main(training.Options(out=tmp_path / "two", resume=tmp_path / "one", **options))
     assert "steps  return of the last episodes" in capsys.readouterr().err
     assert list((tmp_path / "two").glob("checkpoint-*.npz"))
-    network = Network.read(tmp_path / "two" / "policy.npz")
+    network = PolicyNetwork.read(tmp_path / "two" / "policy.npz")
     model = training.PPO.load(tmp_path / "two" / "policy.zip", device="cpu")
     env = training.make(training.Options())
     row, _ = env.reset(seed=0)
@@ -65,4 +65,4 @@ def test_a_short_training_leaves_a_policy_and_what_it_takes_to_go_on(tmp_path, m
     scores = network.scores(told.astype(float))
     assert scores - scores.mean() == pytest.approx(logits - logits.mean(), abs=1e-4)
     assert np.argmax(scores) == np.argmax(row[training.MOVE_IN_FORCE.start :][:4])
-    build("learned", {"policy": str(tmp_path / "two" / "policy.npz")})
+    build_method("learned", {"policy": str(tmp_path / "two" / "policy.npz")})

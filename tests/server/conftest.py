@@ -78,7 +78,7 @@ class Hall:
             if self._tick % 20 == 0:
                 for sensor in CARDINALS:
                     self.send(sensor, t_s, self._status(sensor, t_s))
-            for message in self.server.due(t_s) if t_s >= self.server.next_due_s - 1e-9 else ():
+            for message in self.server.due_messages(t_s) if t_s >= self.server.next_due_s - 1e-9 else ():
                 if isinstance(message, ClientOrder):
                     self.orders.append((t_s, message))
                 elif isinstance(message, SyncRequest):

@@ -16,11 +16,11 @@ BEAT_S = 60 / 118
 def dispatcher(world):
     table = world.timetable
     span = range(5)
-    brief = MethodContext(
+    context = MethodContext(
         ("dancer_1", "dancer_2", "dancer_3"), table.choreography.steps(), 4, BEAT_S,
         tuple(table.start_s(i) for i in span), tuple(table.close_s(i) for i in span),
     )  # fmt: skip
-    return Dispatcher(brief, table, world.layout, world.config.robot, 10)
+    return Dispatcher(context, table, world.layout, world.config.robot, 10)
 
 
 def actions(dispatcher):
@@ -33,14 +33,14 @@ def run(dispatcher, from_s, until_s, step_s=0.001):
     for k in range(int((until_s - from_s) / step_s) + 1):
         t_s = from_s + k * step_s
         if dispatcher.next_due_s <= t_s:
-            out += [(t_s, command) for command in dispatcher.due(t_s)]
+            out += [(t_s, command) for command in dispatcher.due_commands(t_s)]
     return out
 
 
 def test_a_scheduled_command_is_sent_once_at_its_time_and_then_repeated(dispatcher):
     assert dispatcher.next_due_s == math.inf
-    dispatcher.answer(0.0, [ScheduleCommand(1, 0, 5.0, "mean")])
-    assert dispatcher.due(4.99) == []
+    dispatcher.handle(0.0, [ScheduleCommand(1, 0, 5.0, "mean")])
+    assert dispatcher.due_commands(4.99) == []
     sent = run(dispatcher, 4.9, 6.0)
     assert sent[0][0] == pytest.approx(5.0, abs=0.002)
     assert {command.number for _, command in sent} == {1}
@@ -51,28 +51,28 @@ def test_a_scheduled_command_is_sent_once_at_its_time_and_then_repeated(dispatch
 
 
 def test_a_standing_robot_hears_stop_repeated(dispatcher):
-    dispatcher.answer(0.0, [ScheduleCommand(1, 0, 1.0, ""), ScheduleCommand(1, 1, 2.0, "")])
+    dispatcher.handle(0.0, [ScheduleCommand(1, 0, 1.0, ""), ScheduleCommand(1, 1, 2.0, "")])
     late = [command for t_s, command in run(dispatcher, 0.0, 8.0) if t_s > 2.01]
     assert len(late) > 55
     assert {(command.number, command.move) for command in late} == {(2, Move.STOP)}
 
 
 def test_a_later_answer_replaces_and_a_sent_step_is_over(dispatcher):
-    dispatcher.answer(0.0, [ScheduleCommand(1, 0, 9.0, "fallback")])
-    dispatcher.answer(3.0, [ScheduleCommand(1, 0, 3.0, "early", "dancer_2")])
-    (command,) = dispatcher.due(3.0)
+    dispatcher.handle(0.0, [ScheduleCommand(1, 0, 9.0, "fallback")])
+    dispatcher.handle(3.0, [ScheduleCommand(1, 0, 3.0, "early", "dancer_2")])
+    (command,) = dispatcher.due_commands(3.0)
     assert (command.why, command.t_start_s) == ("early", 3.0)
-    dispatcher.answer(3.1, [ScheduleCommand(1, 0, 3.1, "regular", "dancer_2")])
+    dispatcher.handle(3.1, [ScheduleCommand(1, 0, 3.1, "regular", "dancer_2")])
     assert actions(dispatcher) == ["scheduled", "replaced", "sent", "ignored"]
     assert dispatcher.decisions[-1].why == "already sent: regular"
     assert not any(command.number > 1 for _, command in run(dispatcher, 3.2, 10.0))
 
 
 def test_the_robot_never_goes_back_in_the_score(dispatcher):
-    dispatcher.answer(0.0, [ScheduleCommand(1, 2, 4.0, "late"), ScheduleCommand(1, 3, 3.0, "stop")])
+    dispatcher.handle(0.0, [ScheduleCommand(1, 2, 4.0, "late"), ScheduleCommand(1, 3, 3.0, "stop")])
     moves = [command.move for _, command in run(dispatcher, 0.0, 5.0)]
     assert set(moves) == {Move.STOP}
-    dispatcher.answer(5.0, [ScheduleCommand(1, 0, 6.0, "too late")])
+    dispatcher.handle(5.0, [ScheduleCommand(1, 0, 6.0, "too late")])
     assert [d.why for d in dispatcher.decisions if d.action == "ignored"] == [
         "a later step has been sent: late",
         "a later step has been sent: too late",
@@ -80,13 +80,13 @@ def test_the_robot_never_goes_back_in_the_score(dispatcher):
 
 
 def test_commands_due_together_go_out_in_the_order_of_the_score(dispatcher):
-    dispatcher.answer(7.0, [ScheduleCommand(1, 1, 1.0, ""), ScheduleCommand(1, 0, 2.0, "")])
-    assert [(c.number, c.move) for c in dispatcher.due(7.0)] == [(1, Move.FORWARD), (2, Move.STOP)]
+    dispatcher.handle(7.0, [ScheduleCommand(1, 1, 1.0, ""), ScheduleCommand(1, 0, 2.0, "")])
+    assert [(c.number, c.move) for c in dispatcher.due_commands(7.0)] == [(1, Move.FORWARD), (2, Move.STOP)]
 
 
 def test_a_withdrawal_takes_a_pending_step_back(dispatcher):
-    dispatcher.answer(0.0, [ScheduleCommand(1, 0, 5.0, "")])
-    dispatcher.answer(1.0, [CancelCommand(1, 0, "passed over"), CancelCommand(1, 0, "again")])
+    dispatcher.handle(0.0, [ScheduleCommand(1, 0, 5.0, "")])
+    dispatcher.handle(1.0, [CancelCommand(1, 0, "passed over"), CancelCommand(1, 0, "again")])
     assert run(dispatcher, 0.0, 6.0) == []
     assert actions(dispatcher) == ["scheduled", "withdrawn", "ignored"]
 
@@ -94,14 +94,14 @@ def test_a_withdrawal_takes_a_pending_step_back(dispatcher):
 def test_nonsense_is_ignored_and_logged(dispatcher):
     wrong = [ScheduleCommand(0, 0, 1.0, "rehearsal"), ScheduleCommand(1, 99, 1.0, ""), ScheduleCommand(5, 0, 1.0, ""),
              ScheduleCommand(1, 0, math.nan, "")]  # fmt: skip
-    dispatcher.answer(0.0, [*wrong, CancelCommand(1, 77, "")])
+    dispatcher.handle(0.0, [*wrong, CancelCommand(1, 77, "")])
     assert actions(dispatcher) == ["ignored"] * 5
     assert dispatcher.next_due_s == math.inf
 
 
 def test_what_no_method_should_ask_for_is_noticed_once_for_each_reason(dispatcher):
     for _ in range(100):
-        dispatcher.answer(2.0, [ScheduleCommand(1, 99, 5.0, "far"), ScheduleCommand(1, 0, math.inf, "never")])
+        dispatcher.handle(2.0, [ScheduleCommand(1, 99, 5.0, "far"), ScheduleCommand(1, 0, math.inf, "never")])
     step, time = dispatcher.notices
     assert (step.t_s, step.source) == (2.0, "method")
     assert "iteration 1, ordinal 99 ignored: no such step (iterations 1 to 4, ordinals 0 to 8)" in step.what
@@ -110,17 +110,17 @@ def test_what_no_method_should_ask_for_is_noticed_once_for_each_reason(dispatche
 
 
 def test_a_step_that_is_over_is_no_notice(dispatcher):
-    dispatcher.answer(0.0, [ScheduleCommand(1, 1, 0.0, "")])
-    dispatcher.due(0.0)
-    dispatcher.answer(1.0, [ScheduleCommand(1, 1, 2.0, ""), ScheduleCommand(1, 0, 2.0, ""), CancelCommand(1, 1, "")])
+    dispatcher.handle(0.0, [ScheduleCommand(1, 1, 0.0, "")])
+    dispatcher.due_commands(0.0)
+    dispatcher.handle(1.0, [ScheduleCommand(1, 1, 2.0, ""), ScheduleCommand(1, 0, 2.0, ""), CancelCommand(1, 1, "")])
     assert dispatcher.notices == []
 
 
 def test_wakes_come_in_order_and_once(dispatcher):
-    dispatcher.answer(1.0, [SetTimer(5.0), SetTimer(3.0), SetTimer(0.5)])
+    dispatcher.handle(1.0, [SetTimer(5.0), SetTimer(3.0), SetTimer(0.5)])
     assert 1.0 < dispatcher.next_due_s < 1.0 + 1e-9  # at the next instant: a session goes on whatever a method asks
-    assert dispatcher.wakes_due(3.0) == [math.nextafter(1.0, 2.0), 3.0]
-    assert dispatcher.wakes_due(3.0) == []
+    assert dispatcher.due_timers(3.0) == [math.nextafter(1.0, 2.0), 3.0]
+    assert dispatcher.due_timers(3.0) == []
     assert dispatcher.next_due_s == 5.0
 
 
@@ -129,17 +129,19 @@ def test_wakes_come_in_order_and_once(dispatcher):
     list(enumerate([Move.FORWARD, Move.STOP, Move.BACKWARD, Move.STOP] * 2 + [Move.TURN])),
 )
 def test_each_step_has_its_move(dispatcher, ordinal, move):
-    dispatcher.answer(0.0, [ScheduleCommand(1, ordinal, 0.0, "")])
-    (command,) = dispatcher.due(0.0)
+    dispatcher.handle(0.0, [ScheduleCommand(1, ordinal, 0.0, "")])
+    (command,) = dispatcher.due_commands(0.0)
     assert command.move is move
     assert (command.speed_m_s > 0) == (move in (Move.FORWARD, Move.BACKWARD))
 
 
 def test_a_turn_ends_at_the_next_iterations_ideal_heading(dispatcher, world):
     for iteration in range(1, 5):
-        dispatcher.robot(1.0, RobotState(1.0, 0.0, 0.0, 1.3, 0.0, 0.0))  # off by several degrees: no matter
-        dispatcher.answer(1.0, [ScheduleCommand(iteration, 8, 1.0, "")])
-        (command,) = dispatcher.due(1.0)
+        dispatcher.update_robot_state(
+            1.0, RobotState(1.0, 0.0, 0.0, 1.3, 0.0, 0.0)
+        )  # off by several degrees: no matter
+        dispatcher.handle(1.0, [ScheduleCommand(iteration, 8, 1.0, "")])
+        (command,) = dispatcher.due_commands(1.0)
         assert command.heading_rad == pytest.approx(world.timetable.heading_rad(iteration + 1))
 
 
@@ -163,52 +165,52 @@ def state(world, iteration, ahead_m, step_m=0.0):
 )
 def test_speed_brings_the_robot_back_to_its_slot(dispatcher, world, ordinal, ahead_m, speed):
     for iteration in (1, 2, 3):
-        dispatcher.robot(0.0, state(world, iteration, ahead_m))
-        dispatcher.answer(0.0, [ScheduleCommand(iteration, ordinal, 0.0, "")])
-        (command,) = dispatcher.due(0.0)
+        dispatcher.update_robot_state(0.0, state(world, iteration, ahead_m))
+        dispatcher.handle(0.0, [ScheduleCommand(iteration, ordinal, 0.0, "")])
+        (command,) = dispatcher.due_commands(0.0)
         assert command.speed_m_s == pytest.approx(speed)
 
 
 def test_a_robot_that_still_rolls_is_judged_where_it_will_stop(dispatcher, world):
-    dispatcher.robot(0.0, state(world, 1, 0.40, step_m=0.006))  # .3 m/s at 50 Hz: 4.5 cm more
-    dispatcher.answer(0.0, [ScheduleCommand(1, 2, 0.0, "")])
-    assert dispatcher.due(0.0)[0].speed_m_s == pytest.approx(0.445 / (4 * BEAT_S))
+    dispatcher.update_robot_state(0.0, state(world, 1, 0.40, step_m=0.006))  # .3 m/s at 50 Hz: 4.5 cm more
+    dispatcher.handle(0.0, [ScheduleCommand(1, 2, 0.0, "")])
+    assert dispatcher.due_commands(0.0)[0].speed_m_s == pytest.approx(0.445 / (4 * BEAT_S))
 
 
 def test_the_median_of_the_score_and_of_what_it_took_is_expected(dispatcher, world):
-    dispatcher.answer(0.0, [ScheduleCommand(1, 2, 10.0, ""), ScheduleCommand(1, 3, 11.5, "")])
+    dispatcher.handle(0.0, [ScheduleCommand(1, 2, 10.0, ""), ScheduleCommand(1, 3, 11.5, "")])
     run(dispatcher, 9.9, 11.6)
-    dispatcher.robot(0.0, state(world, 2, 0.45))
-    dispatcher.answer(20.0, [ScheduleCommand(2, 2, 20.0, "")])
-    assert dispatcher.due(20.0)[0].speed_m_s == pytest.approx(0.45 / ((1.5 + 4 * 60 / 118) / 2), rel=0.01)
+    dispatcher.update_robot_state(0.0, state(world, 2, 0.45))
+    dispatcher.handle(20.0, [ScheduleCommand(2, 2, 20.0, "")])
+    assert dispatcher.due_commands(20.0)[0].speed_m_s == pytest.approx(0.45 / ((1.5 + 4 * 60 / 118) / 2), rel=0.01)
 
 
 @pytest.mark.parametrize(("last_resort", "duration_s"), [(False, 1.3), (True, 4 * BEAT_S)])
 def test_a_stop_that_is_scheduled_sets_the_speed_unless_it_is_a_last_resort(dispatcher, world, last_resort, duration_s):
-    dispatcher.robot(0.0, state(world, 1, 0.45))
-    dispatcher.answer(0.0, [ScheduleCommand(1, 2, 5.0, ""), ScheduleCommand(1, 3, 6.3, "", last_resort=last_resort)])
-    assert dispatcher.due(5.0)[0].speed_m_s == pytest.approx(0.45 / duration_s)
+    dispatcher.update_robot_state(0.0, state(world, 1, 0.45))
+    dispatcher.handle(0.0, [ScheduleCommand(1, 2, 5.0, ""), ScheduleCommand(1, 3, 6.3, "", last_resort=last_resort)])
+    assert dispatcher.due_commands(5.0)[0].speed_m_s == pytest.approx(0.45 / duration_s)
 
 
 def test_a_move_that_nobody_stops_crawls_past_its_end(dispatcher, world):
-    dispatcher.answer(0.0, [ScheduleCommand(1, 0, 5.0, "")])
-    (command,) = dispatcher.due(5.0)
-    dispatcher.robot(0.0, state(world, 1, 0.5))
-    (copy,) = dispatcher.due(dispatcher.next_due_s)
+    dispatcher.handle(0.0, [ScheduleCommand(1, 0, 5.0, "")])
+    (command,) = dispatcher.due_commands(5.0)
+    dispatcher.update_robot_state(0.0, state(world, 1, 0.5))
+    (copy,) = dispatcher.due_commands(dispatcher.next_due_s)
     assert (copy.number, copy.speed_m_s) == (command.number, command.speed_m_s)
-    dispatcher.robot(0.0, state(world, 1, 0.6))
-    (copy,) = dispatcher.due(dispatcher.next_due_s)
+    dispatcher.update_robot_state(0.0, state(world, 1, 0.6))
+    (copy,) = dispatcher.due_commands(dispatcher.next_due_s)
     assert (copy.number, copy.move, copy.speed_m_s) == (command.number, Move.FORWARD, 0.13)
-    dispatcher.robot(0.0, state(world, 1, 0.95))
-    assert dispatcher.due(dispatcher.next_due_s)[0].speed_m_s == 0.0
+    dispatcher.update_robot_state(0.0, state(world, 1, 0.95))
+    assert dispatcher.due_commands(dispatcher.next_due_s)[0].speed_m_s == 0.0
 
 
 def test_a_stop_that_came_too_soon_lets_the_robot_settle_where_its_move_should_have_ended(dispatcher, world):
-    dispatcher.answer(0.0, [ScheduleCommand(1, 6, 5.0, ""), ScheduleCommand(1, 7, 6.0, "")])
+    dispatcher.handle(0.0, [ScheduleCommand(1, 6, 5.0, ""), ScheduleCommand(1, 7, 6.0, "")])
     sent = run(dispatcher, 4.9, 6.05)
     assert (sent[-1][1].move, sent[-1][1].speed_m_s) == (Move.STOP, 0.0)
     speeds = []
     for ahead_m in (0.3, 0.05, -0.3):
-        dispatcher.robot(0.0, state(world, 1, ahead_m))
-        speeds.append(dispatcher.due(dispatcher.next_due_s)[0].speed_m_s)
+        dispatcher.update_robot_state(0.0, state(world, 1, ahead_m))
+        speeds.append(dispatcher.due_commands(dispatcher.next_due_s)[0].speed_m_s)
     assert speeds == [-0.08, 0.0, 0.08]

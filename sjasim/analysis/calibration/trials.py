@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...anticipation.timing_appropriateness import occurrences
+from ...anticipation.timing_appropriateness import match_to_steps
 from ...choreography.score import Choreography
 from ...choreography.timetable import Timetable
 from ...config.session import MAX_DANCERS
@@ -144,7 +144,7 @@ def _scored(trial: Mapping[str, Sequence[TableEvent]], cast: Sequence[str], tabl
     columns = []
     for agent in cast:
         own = trial.get(agent, ())
-        columns.append(occurrences([event.t_s for event in own], [event.kind for event in own], steps, expected))
+        columns.append(match_to_steps([event.t_s for event in own], [event.kind for event in own], steps, expected))
     return np.asarray(np.stack(columns, axis=1) - expected[:, None])
 
 
