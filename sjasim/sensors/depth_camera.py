@@ -18,7 +18,17 @@ from numpy.typing import NDArray
 
 from ..choreography.layout import Mount
 from ..core import Array, Geoms, IntArray
-from .raycast.primitives import BOX, CAPSULE, CYLINDER, ELLIPSOID, PLANE, TINY, capsule, meet, normal
+from .raycast.primitives import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    PLANE,
+    TINY,
+    ray_capsule,
+    ray_distance,
+    surface_normal,
+)
 
 NEAR_M = 0.05
 """A geom this near to the image plane is tested against every pixel."""
@@ -41,7 +51,7 @@ class Intrinsics:
     fy: float
 
     @classmethod
-    def of(cls, width: int, horizontal_fov_rad: float, vertical_fov_rad: float) -> Intrinsics:
+    def from_field_of_view(cls, width: int, horizontal_fov_rad: float, vertical_fov_rad: float) -> Intrinsics:
         """A Kinect v2's for 512 (512 x 424) or 256 columns (256 x 212); pixels are not quite square."""
         height = width * 424 // 512
         return cls(
@@ -53,7 +63,7 @@ class Intrinsics:
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class RenderedDepth:
     """What a camera's rays meet; the camera overwrites it with its next picture.
 
     Attributes:
@@ -139,7 +149,7 @@ def _bounds(
 
 
 @njit(cache=True, error_model="numpy")
-def cast(
+def cast_rays(
     form: IntArray, size: Array, position: Array, rotation: Array, fx: float, fy: float, depth: Array,
     geom: NDArray[np.int16], facing: NDArray[np.float32],
 ) -> None:  # fmt: skip
@@ -179,17 +189,17 @@ def cast(
                 x = slopes[u]
                 dx, dy, dz = turn[0, 0] * x + ax, turn[0, 1] * x + ay, turn[0, 2] * x + az
                 if kind == CAPSULE:
-                    t = capsule(px, py, pz, dx, dy, dz, radius, half)
+                    t = ray_capsule(px, py, pz, dx, dy, dz, radius, half)
                 else:
-                    t = meet(kind, own, px, py, pz, dx, dy, dz)
+                    t = ray_distance(kind, own, px, py, pz, dx, dy, dz)
                 if t < depth[v, u]:
-                    nx, ny, nz = normal(kind, own, px + t * dx, py + t * dy, pz + t * dz)
+                    nx, ny, nz = surface_normal(kind, own, px + t * dx, py + t * dy, pz + t * dz)
                     square = (nx * nx + ny * ny + nz * nz) * (x * x + y * y + 1.0)
                     depth[v, u], geom[v, u] = t, g
                     facing[v, u] = abs(nx * dx + ny * dy + nz * dz) / math.sqrt(square)
 
 
-class Camera:
+class DepthCamera:
     """One sensor's depth camera.
 
     Args:
@@ -203,9 +213,9 @@ class Camera:
         self._world_from_camera = np.ascontiguousarray(mount.world_from_sensor)
         self._camera_from_world = np.ascontiguousarray(mount.world_from_sensor.T)
         shape = (intrinsics.height, intrinsics.width)
-        self._picture = Picture(np.empty(shape), np.empty(shape, np.int16), np.empty(shape, np.float32))
+        self._picture = RenderedDepth(np.empty(shape), np.empty(shape, np.int16), np.empty(shape, np.float32))
 
-    def picture(self, geoms: Geoms) -> Picture:
+    def render(self, geoms: Geoms) -> RenderedDepth:
         """Cast one ray through every pixel.
 
         Args:
@@ -217,7 +227,7 @@ class Camera:
         position = (geoms.position_m - self._position) @ self._world_from_camera
         rotation = np.matmul(self._camera_from_world, geoms.rotation)
         out = self._picture
-        cast(
+        cast_rays(
             geoms.form, geoms.size_m, position, rotation, self.intrinsics.fx, self.intrinsics.fy, out.depth_m,
             out.geom, out.incidence,
         )  # fmt: skip

@@ -15,17 +15,17 @@ from ..config import SessionConfig
 from ..core import Array, Geoms, IntArray, SceneView, Skeletons
 from ..core.registry import register
 from . import kinect_noise
-from .depth_camera import Camera, Intrinsics, Picture
+from .depth_camera import DepthCamera, Intrinsics, RenderedDepth
 from .joint_occlusion import FLESH_M
 from .skeleton.estimator import SkeletonEstimator
 
 BoolArray = NDArray[np.bool_]
 
 NOT_A_DANCER = -1
-BEYOND_M = 1.0
+IMAGE_MARGIN_M = 1.0
 """So much farther than the farthest tracked person a depth image reaches: who sways beyond that is not cut in half,
 which would look like a step, but inferred (assumed; a Kinect v2's images reach 8 m, of which 4.5 count for persons)."""
-OWN_M = 0.60
+MAX_ASSIGNMENT_M = 0.60
 """A person farther than this from every dancer is nobody (for the record only)."""
 _BASE = JOINT_INDEX["SpineBase"]
 
@@ -47,8 +47,10 @@ class DepthSensing:
         self._noises, self._losses = rng.spawn(2)
         self._mount = mount
         self._config = sensors = config.sensors
-        self.intrinsics = Intrinsics.of(sensors.width_px, sensors.horizontal_fov_rad, sensors.vertical_fov_rad)
-        self._camera = Camera(mount, self.intrinsics)
+        self.intrinsics = Intrinsics.from_field_of_view(
+            sensors.width_px, sensors.horizontal_fov_rad, sensors.vertical_fov_rad
+        )
+        self._camera = DepthCamera(mount, self.intrinsics)
         self._last: _Last | None = None
 
     @cached_property
@@ -58,10 +60,12 @@ class DepthSensing:
     def frame(self, view: SceneView) -> NDArray[np.uint16]:
         """(H, W) depth image of this instant in whole millimetres, 0 where there is none."""
         geoms = view.geoms
-        picture = self._camera.picture(geoms)
+        picture = self._camera.render(geoms)
         near_m, far_m = self._config.min_range_m, self._config.max_range_m
         self._last = _Last(self._mount, self.intrinsics, (near_m, far_m), picture, geoms, np.array(view.joints_m))
-        return kinect_noise.sensed(picture, geoms.form, self.intrinsics.fx, (near_m, far_m + BEYOND_M), self._noises)
+        return kinect_noise.add_kinect_noise(
+            picture, geoms.form, self.intrinsics.fx, (near_m, far_m + IMAGE_MARGIN_M), self._noises
+        )
 
     def sample(self, view: SceneView) -> Skeletons | None:
         """See the stage at this instant.
@@ -123,7 +127,7 @@ def _look(
 def _name(seen: Array, joints: Array, out: IntArray) -> None:
     """Write which dancer of (D, 25, 3) is nearest to each person of (P, 25, 3), by SpineBase over the floor."""
     for p in range(len(seen)):
-        best = OWN_M
+        best = MAX_ASSIGNMENT_M
         for d in range(len(joints)):
             x, z = seen[p, _BASE, 0] - joints[d, _BASE, 0], seen[p, _BASE, 2] - joints[d, _BASE, 2]
             away = math.sqrt(x * x + z * z)
@@ -135,7 +139,7 @@ class _Last:
     """The last frame's truth, looked at when somebody asks; valid until the camera's next picture."""
 
     def __init__(
-        self, mount: Mount, intrinsics: Intrinsics, range_m: tuple[float, float], picture: Picture, geoms: Geoms,
+        self, mount: Mount, intrinsics: Intrinsics, range_m: tuple[float, float], picture: RenderedDepth, geoms: Geoms,
         joints_m: Array,
     ) -> None:  # fmt: skip
         self._intrinsics, self._range_m = intrinsics, range_m

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..core import INFERRED, NOT_TRACKED, TRACKED, Array, BoolArray, IntArray
 from ..core.memory import cube, index_rows, indices, matrix, vector
-from .raycast.occlusion import COLUMNS, hide, outlines
+from .raycast.occlusion import PROJECTED_COLUMNS, mark_occluded, project_geoms
 
 BIAS, DRIFT, FACTOR, HIDDEN, BLEND, KEPT, FRESH, HELD, ERRORS = 0, 3, 6, 7, 8, 9, 10, 11, 12
 """Columns of a joint's errors: constant error [m], slow error [m], how much larger both are now, the factor that they
@@ -54,13 +54,13 @@ def observe(
     """
     rows, shape, position, rotation = index_rows(around, 0), matrix(around, 1), matrix(around, 2), matrix(around, 3)
     dancers, eye, errors, noise = indices(own, 0), vector(own, 1), cube(own, 2), cube(own, 3)
-    seen = np.empty((len(rows), COLUMNS))
-    outlines(eye, rows, shape, position, rotation, seen)
+    seen = np.empty((len(rows), PROJECTED_COLUMNS))
+    project_geoms(eye, rows, shape, position, rotation, seen)
     each = truth.shape[1]
     for p in range(len(dancers)):
         dancer, body, mark = dancers[p], joints[frame, p], visible[frame, p]
         in_view = _locate(truth[dancer], eye, body, mark)
-        hide(body, dancer, FLESH_M, rows, shape, seen, mark)
+        mark_occluded(body, dancer, FLESH_M, rows, shape, seen, mark)
         _age(errors[p], mark, noise[frame, p * each : (p + 1) * each])
         _tell(errors[p], in_view, mark, body, state[frame, p])
 

@@ -16,20 +16,20 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..core import IntArray
-from .depth_camera import Picture
+from .depth_camera import RenderedDepth
 from .raycast.primitives import PLANE
 
 LATERAL_M = 0.0016
 """Standard deviation of where on the surface a pixel looks. Source: fankhauser2015."""
 EDGE_M = (0.06, 2.5)
 """Steps in depth between neighbours at which pixels mix; farther ones are separable in phase (assumed)."""
-EDGE_LOST, EDGE_MIXED = 0.30, 0.25
+EDGE_DROPOUT, EDGE_MIXING = 0.30, 0.25
 """Share of pixels at such a step without depth, and with a depth between both surfaces (assumed)."""
-GRAZING_RAD, GRAZING_LOST = math.radians(85.0), 0.7
+GRAZING_RAD, GRAZING_DROPOUT = math.radians(85.0), 0.7
 """Beyond this angle of incidence so many pixels have no depth (assumed)."""
 WIGGLE_M, WIGGLE_PERIOD_M = 0.003, 1.87
 """Amplitude and period of the systematic distance error of continuous-wave time of flight (assumed)."""
-MOST_AXIAL_M = 0.04
+MAX_AXIAL_M = 0.04
 """Bound of the axial standard deviation: beyond it a sensor gives no depth at all (assumed)."""
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _FIRST, _SECOND = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
@@ -59,13 +59,13 @@ def _normal(bits: np.uint64) -> float:
 
 
 @njit(cache=True, inline="always")
-def axial_m(depth_m: float, slant: float) -> float:
+def axial_noise_m(depth_m: float, slant: float) -> float:
     """Standard deviation of depth [m], for an angle of incidence theta with (theta / (pi/2 - theta))^2 = ``slant``.
 
     Source: fankhauser2015, eq. (6), without its term for sunlight; at most `MOST_AXIAL_M`.
     """
     aside = 0.1 * depth_m * math.sqrt(depth_m) * slant
-    return min(0.001 * (1.5 - 0.5 * depth_m + 0.3 * depth_m * depth_m + aside), MOST_AXIAL_M)
+    return min(0.001 * (1.5 - 0.5 * depth_m + 0.3 * depth_m * depth_m + aside), MAX_AXIAL_M)
 
 
 def _slants() -> NDArray[np.float32]:
@@ -128,20 +128,20 @@ def _spoil(depth: NDArray[np.float64], facing: NDArray[np.float32], v: int, u: i
         return 0.0
     chance = _bits(key, 3 * (v * depth.shape[1] + u))
     other, luck = _edge(depth, v, u), _part(chance, 0)
-    if other > 0.0 and luck < EDGE_LOST:
+    if other > 0.0 and luck < EDGE_DROPOUT:
         return 0.0
     row, column, seen = _aside(depth, v, u, key, fx, _part(chance, 3))
     cosine = min(facing[row, column], np.float32(1.0))
-    if seen == np.inf or (cosine < _GRAZING and _part(chance, 2) < GRAZING_LOST):
+    if seen == np.inf or (cosine < _GRAZING and _part(chance, 2) < GRAZING_DROPOUT):
         return 0.0
-    if other > 0.0 and luck < EDGE_LOST + EDGE_MIXED:
+    if other > 0.0 and luck < EDGE_DROPOUT + EDGE_MIXING:
         share = _part(chance, 1)
         seen = share * own + (1.0 - share) * other
     place = cosine * np.float32(_STEPS)
     step = min(int(place), _STEPS - 1)
     slant = _SLANTS[step] + (place - step) * (_SLANTS[step + 1] - _SLANTS[step])
     wiggle = _WIGGLES_M[min(int(100.0 * seen + 0.5), len(_WIGGLES_M) - 1)]
-    return float(seen + wiggle + axial_m(seen, slant) * _normal(_bits(key, 3 * (v * depth.shape[1] + u) + 1)))
+    return float(seen + wiggle + axial_noise_m(seen, slant) * _normal(_bits(key, 3 * (v * depth.shape[1] + u) + 1)))
 
 
 @njit(cache=True)
@@ -179,8 +179,8 @@ def _sense(
                 out[v, u] = _whole_mm(_spoil(depth, facing, v, u, key, fx), near, far)
 
 
-def sensed(
-    picture: Picture, form: IntArray, fx: float, range_m: tuple[float, float], rng: np.random.Generator
+def add_kinect_noise(
+    picture: RenderedDepth, form: IntArray, fx: float, range_m: tuple[float, float], rng: np.random.Generator
 ) -> NDArray[np.uint16]:
     """The depth image that a sensor delivers.
 

@@ -27,7 +27,7 @@ from ..core.memory import Memory
 from ..humans.body.anatomy import Anatomy
 from ..humans.body.body_model import BodyModel, body_model
 from ..robot.mjcf import robot_spec
-from ..sensors.raycast.occlusion import shapes
+from ..sensors.raycast.occlusion import bounding_shapes
 from .contacts import Contacts
 from .state_access import PELVIS, RATES, feel, gather
 
@@ -173,7 +173,7 @@ class Physics:
         self._form, self._size = m.geom_type[self._solid].astype(np.int64), m.geom_size[self._solid]
         self._owner, self._solid_owner = owner, owner[self._solid]
         rows = np.column_stack([self._solid, self._solid_owner, self._form])
-        self.solids = Solids(rows, shapes(self._form, self._size), self._positions, self._rotations)
+        self.solids = Solids(rows, bounding_shapes(self._form, self._size), self._positions, self._rotations)
         """All that can hide something; see `types.SceneView`."""
         self._base = m.body(f"{ROBOT_PREFIX}base").id if self.has_robot else 0
         if self.has_robot:

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ..core import Array
 from ..core.clock import stream
 from ..core.errors import SjasimError
-from ..sensors.skeleton.forest import EXTRAS, YAW_EXTRAS
-from ..sensors.skeleton.joint_voting import LOOSE_M
-from ..sensors.skeleton.trained_model import MILLI, SPREAD_M
+from ..sensors.skeleton.forest import EXTRA_FEATURES, YAW_EXTRA_FEATURES
+from ..sensors.skeleton.joint_voting import MAX_SPREAD_M
+from ..sensors.skeleton.trained_model import OFFSET_UNIT_M, SPREAD_UNIT_M
 from .samples import Samples
 
 VOTES = 6
@@ -111,7 +111,7 @@ def grow(samples: Samples, growth: Growth, seed: int) -> Grown:
 
 def grow_yaw(samples: Samples, growth: Growth, seed: int) -> tuple[Grown, NDArray[np.int8]]:
     """Grow the yaws' forest and its votes (V, 2); it sees no feature that knows a yaw."""
-    blind = samples.features.shape[1] - (EXTRAS - YAW_EXTRAS)
+    blind = samples.features.shape[1] - (EXTRA_FEATURES - YAW_EXTRA_FEATURES)
     few = slice(None, None, max(1, len(samples.joint) // YAW_PIXELS))
     features, goal = np.ascontiguousarray(samples.features[few, :blind]), samples.yaw[few]
     sector = ((np.arctan2(goal[:, 1], goal[:, 0]) / math.tau % 1.0) * SECTORS).astype(np.int64)
@@ -155,11 +155,11 @@ def leaf_votes(samples: Samples, grown: Grown) -> Said:
             begin, row = end, leaf[members[0]]
             middle, wide = settle(samples.offset[members].astype(np.float32), turned[members])
             best = np.argsort(wide)[:VOTES]
-            best = best[wide[best] < LOOSE_M]
+            best = best[wide[best] < MAX_SPREAD_M]
             joint[row, : len(best)] = best
-            offset[row, : len(best)] = np.rint(middle[best, :3] / MILLI)
-            view[row, : len(best)] = np.rint(np.clip(middle[best, 3:], -MOST_VIEW_M, MOST_VIEW_M) / MILLI)
-            spread[row, : len(best)] = np.minimum(np.rint(wide[best] / SPREAD_M), 255)
+            offset[row, : len(best)] = np.rint(middle[best, :3] / OFFSET_UNIT_M)
+            view[row, : len(best)] = np.rint(np.clip(middle[best, 3:], -MOST_VIEW_M, MOST_VIEW_M) / OFFSET_UNIT_M)
+            spread[row, : len(best)] = np.minimum(np.rint(wide[best] / SPREAD_UNIT_M), 255)
     return Said(joint, offset, view, spread)
 
 

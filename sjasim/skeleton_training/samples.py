@@ -16,10 +16,10 @@ from ..config import SensorConfig
 from ..core import Array
 from ..core.clock import stream
 from ..sensors import kinect_noise
-from ..sensors.depth_camera import Camera, Intrinsics
+from ..sensors.depth_camera import DepthCamera, Intrinsics
 from ..sensors.skeleton import segmentation
-from ..sensors.skeleton.estimator import person_rows, unit_scale
-from ..sensors.skeleton.forest import answers
+from ..sensors.skeleton.estimator import person_features, scale_from_stature
+from ..sensors.skeleton.forest import point_features
 from ..sensors.skeleton.segmentation import Foreground
 from .scenes import Scene
 
@@ -67,36 +67,36 @@ class Watcher:
     def __init__(self, seed: int, name: str) -> None:
         config = SensorConfig()
         self._config = config
-        self.intrinsics = Intrinsics.of(WIDTH, config.horizontal_fov_rad, config.vertical_fov_rad)
+        self.intrinsics = Intrinsics.from_field_of_view(WIDTH, config.horizontal_fov_rad, config.vertical_fov_rad)
         self._rng = stream(seed, "training", name, "sensor")
-        self._scene = Foreground.room(self.intrinsics)
-        self._camera: Camera | None = None
+        self._scene = Foreground.allocate(self.intrinsics)
+        self._camera: DepthCamera | None = None
 
     def see(self, mount: Mount, scene: Scene) -> Seen:
         """Take one scene; the foreground is valid until the next."""
         rng = self._rng
         if self._camera is None:
-            self._camera = Camera(mount, self.intrinsics)
-        picture = self._camera.picture(scene.geoms)
+            self._camera = DepthCamera(mount, self.intrinsics)
+        picture = self._camera.render(scene.geoms)
         limits = (self._config.min_range_m, self._config.max_range_m)
-        depth = kinect_noise.sensed(picture, scene.geoms.form, self.intrinsics.fx, limits, rng)
-        segmentation.lift(depth, self.intrinsics, float(mount.position[2]), self._scene)
+        depth = kinect_noise.add_kinect_noise(picture, scene.geoms.form, self.intrinsics.fx, limits, rng)
+        segmentation.extract_foreground(depth, self.intrinsics, float(mount.position[2]), self._scene)
         joints = (scene.joints_m - mount.position) @ mount.world_from_sensor
         joints[:, :, 1] += mount.position[2]
         places = joints[:, _BASE][:, [0, 2]] + PLACE_M * rng.standard_normal((len(joints), 2))
         shift = PLACE_M * rng.standard_normal((len(joints), 1, 3))
         prior = joints + shift + JOINT_M * rng.standard_normal(joints.shape)
-        segmentation.share(self._scene, places, prior, np.full(2, np.nan))
+        segmentation.assign_owners(self._scene, places, prior, np.full(2, np.nan))
         count = self._scene.count
         pixel = self._scene.pixel[:count]
         geom = picture.geom[pixel[:, 0], pixel[:, 1]]
         owner = np.where(geom >= 0, scene.geoms.owner[geom], -1)
         loose = rng.random(len(joints)) < LOOSE
         yaw = scene.yaw_rad + np.where(loose, YAW_LOOSE_RAD, YAW_RAD) * rng.standard_normal(len(joints))
-        scales = unit_scale(scene.stature_m) * (1.0 + SCALE * rng.standard_normal(len(joints)))
+        scales = scale_from_stature(scene.stature_m) * (1.0 + SCALE * rng.standard_normal(len(joints)))
         per_pixel = 1.0 / (self.intrinsics.fx * self.intrinsics.fy)
-        body = segmentation.measured(self._scene, places, scales, per_pixel)
-        return Seen(self._scene, owner, joints, scene.yaw_rad, person_rows(body, scales, yaw), body[:, 0], prior)
+        body = segmentation.measure_persons(self._scene, places, scales, per_pixel)
+        return Seen(self._scene, owner, joints, scene.yaw_rad, person_features(body, scales, yaw), body[:, 0], prior)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +155,7 @@ def gather(
             often = np.bincount(nearest, minlength=len(JOINTS))[nearest]
             chance = 1.0 / np.sqrt(often)
             drawn = rng.choice(len(rows), min(len(rows), each), replace=False, p=chance / chance.sum())
-            features = answers(seen.scene, rows[drawn], probes, watcher.intrinsics.fx, seen.persons[k])
+            features = point_features(seen.scene, rows[drawn], probes, watcher.intrinsics.fx, seen.persons[k])
             offset = in_body(away[drawn], seen.persons[k])
             yaw = np.tile([math.cos(seen.yaw_rad[k]), math.sin(seen.yaw_rad[k])], (len(drawn), 1))
             parts.append((features, nearest[drawn], offset.astype(np.float16), yaw.astype(np.float32)))

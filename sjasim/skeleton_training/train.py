@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..assets.names import JOINTS
-from ..sensors.skeleton.posture_prior import FEATURES
-from ..sensors.skeleton.trained_model import VERSION, Model
+from ..sensors.skeleton.posture_prior import FEATURE_COUNT
+from ..sensors.skeleton.trained_model import FORMAT_VERSION, SkeletonModel
 from .forests import Growth, draw_probes, grow, grow_yaw, leaf_votes
 from .samples import gather
 from .scenes import scenes
@@ -48,7 +48,7 @@ SMALL = Recipe(scenes=260, tuning=80, postures=1000, growth=Growth(leaves=2000, 
 """A recipe for under a minute on two cores."""
 
 
-def train(recipe: Recipe, say: Callable[[str], None] = lambda _: None) -> Model:
+def train(recipe: Recipe, say: Callable[[str], None] = lambda _: None) -> SkeletonModel:
     """Train a model.
 
     Args:
@@ -68,11 +68,11 @@ def train(recipe: Recipe, say: Callable[[str], None] = lambda _: None) -> Model:
     grown = grow(drawn, recipe.growth, seed)
     tell(f"{grown.leaves} leaves for joints")
     said = leaf_votes(drawn, grown)
-    info = json.dumps({"version": VERSION, "seed": seed, "recipe": dataclasses.asdict(recipe)})
-    model = Model(
+    info = json.dumps({"version": FORMAT_VERSION, "seed": seed, "recipe": dataclasses.asdict(recipe)})
+    model = SkeletonModel(
         probes, grown.feature, grown.threshold, grown.left, grown.right, grown.roots, said.joint,
         said.offset, said.view, said.spread, yaws.feature, yaws.threshold, yaws.left, yaws.right, yaws.roots, yaw_vote,
-        np.zeros(len(JOINTS), np.float32), np.zeros((FEATURES, 3 * len(JOINTS)), np.float16),
+        np.zeros(len(JOINTS), np.float32), np.zeros((FEATURE_COUNT, 3 * len(JOINTS)), np.float16),
         np.zeros((0, 3 * len(JOINTS)), np.float16), mean_posture(scenes(40, seed, "train")), info,
     )  # fmt: skip
     tell("leaves have their votes")
@@ -81,7 +81,7 @@ def train(recipe: Recipe, say: Callable[[str], None] = lambda _: None) -> Model:
     return model
 
 
-def tuned(model: Model, recipe: Recipe) -> Model:
+def tuned(model: SkeletonModel, recipe: Recipe) -> SkeletonModel:
     """The same forests with thresholds, posture regression and postures from other scenes."""
     seed = recipe.seed
     support = thresholds(estimate(scenes(recipe.tuning, seed, "tune"), model, seed, "tune"))

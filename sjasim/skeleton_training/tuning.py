@@ -15,9 +15,9 @@ from ..config import MAX_TRACKED_PERSONS
 from ..core import Array
 from ..core.clock import stream
 from ..sensors.skeleton import posture_prior
-from ..sensors.skeleton.estimator import LEAST_M2, VOTING, shares
-from ..sensors.skeleton.joint_voting import Votes
-from ..sensors.skeleton.trained_model import Model, unpacked
+from ..sensors.skeleton.estimator import JOINT_VOTE_POINTS, MIN_SURFACE_M2, sampling_fractions
+from ..sensors.skeleton.joint_voting import JointVoter
+from ..sensors.skeleton.trained_model import SkeletonModel, runtime_model
 from .samples import Watcher, in_body
 from .scenes import Scene
 
@@ -64,15 +64,17 @@ class Estimates:
         return np.asarray(np.linalg.norm(self.joints - self.true, axis=2))
 
 
-def estimate(scenes: Iterable[tuple[Mount, Scene]], model: Model, seed: int, name: str) -> Estimates:
+def estimate(scenes: Iterable[tuple[Mount, Scene]], model: SkeletonModel, seed: int, name: str) -> Estimates:
     """Let a model see scenes that it was not trained on."""
-    watcher, votes = Watcher(seed, name), Votes(unpacked(model), MAX_TRACKED_PERSONS)
+    watcher, votes = Watcher(seed, name), JointVoter(runtime_model(model), MAX_TRACKED_PERSONS)
     rows: list[tuple[Array, ...]] = []
     fx = watcher.intrinsics.fx
     for mount, scene in scenes:
         seen = watcher.see(mount, scene)
-        joints, support, _ = votes.joints(seen.scene, shares(seen.counts, VOTING), fx, seen.persons, seen.prior)
-        enough = seen.counts * seen.joints[:, _BASE, 2] ** 2 > LEAST_M2 * fx * fx
+        joints, support, _ = votes.find_joints(
+            seen.scene, sampling_fractions(seen.counts, JOINT_VOTE_POINTS), fx, seen.persons, seen.prior
+        )
+        enough = seen.counts * seen.joints[:, _BASE, 2] ** 2 > MIN_SURFACE_M2 * fx * fx
         for k in np.flatnonzero(enough & np.isfinite(joints).all(axis=(1, 2))):
             rows.append((joints[k], support[k], seen.joints[k], seen.persons[k], seen.yaw_rad[k]))
     return Estimates(*(np.array(column) for column in zip(*rows, strict=True)))
@@ -118,11 +120,11 @@ def regress(scenes: Iterable[tuple[Mount, Scene]], mean: Array, seed: int) -> ND
             tracked_yaw = float(yaw + POSTURE_YAW_RAD * rng.standard_normal())
             scale = float(stature / 1.75)
             joints = true + POSTURE_M * rng.standard_normal(true.shape)
-            row, place = np.empty(posture_prior.FEATURES), np.empty(2)
-            if not posture_prior.features(joints, _hidden(rng), mean, tracked_yaw, scale, 0.0, row, place):
+            row, place = np.empty(posture_prior.FEATURE_COUNT), np.empty(2)
+            if not posture_prior.regression_input(joints, _hidden(rng), mean, tracked_yaw, scale, 0.0, row, place):
                 continue
             rows.append(row)
-            body = posture_prior.towards_body(true - [place[0], 0.0, place[1]], tracked_yaw) / scale - mean
+            body = posture_prior.body_from_sensor(true - [place[0], 0.0, place[1]], tracked_yaw) / scale - mean
             goals.append(body.ravel())
     x, y = np.array(rows), np.array(goals)
     return np.asarray(np.linalg.solve(x.T @ x + RIDGE * np.eye(x.shape[1]), x.T @ y), dtype=np.float16)
@@ -134,9 +136,9 @@ def remember(scenes: Iterable[tuple[Mount, Scene]], mean: Array) -> NDArray[np.f
     for mount, scene in scenes:
         true = points(mount, scene)
         for k in np.flatnonzero(scene.danced):
-            row, place = np.empty(posture_prior.FEATURES), np.empty(2)
+            row, place = np.empty(posture_prior.FEATURE_COUNT), np.empty(2)
             scale = float(scene.stature_m[k] / 1.75)
-            posture_prior.features(true[k], all_seen, mean, float(scene.yaw_rad[k]), scale, 0.0, row, place)
+            posture_prior.regression_input(true[k], all_seen, mean, float(scene.yaw_rad[k]), scale, 0.0, row, place)
             rows.append(row[: 3 * len(JOINTS)])
     return np.array(rows, dtype=np.float16)
 

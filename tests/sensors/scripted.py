@@ -14,7 +14,7 @@ from sjasim.core import ClientOrder, DeviceEvent, Kind, Solids
 from sjasim.core.clock import DeviceClock, stream
 from sjasim.sensors.client import SensorClient
 from sjasim.sensors.joint_sensing import JointSensing
-from sjasim.sensors.raycast.occlusion import shapes
+from sjasim.sensors.raycast.occlusion import bounding_shapes
 from sjasim.sensors.raycast.primitives import SPHERE
 
 ONSET_M_S = 0.10
@@ -147,7 +147,7 @@ class ScriptedView:
         rows = np.array([(row, screen.owner, SPHERE) for row, screen in enumerate(there)], dtype=np.int64)
         sizes = np.array([(screen.radius_m, 0.0, 0.0) for screen in there]).reshape(-1, 3)
         centres = np.array([screen.centre for screen in there]).reshape(-1, 3)
-        shape = shapes(np.full(len(there), SPHERE), sizes)
+        shape = bounding_shapes(np.full(len(there), SPHERE), sizes)
         return Solids(rows.reshape(-1, 3), shape, centres, np.tile(np.eye(3).ravel(), (len(there), 1)))
 
 

@@ -11,7 +11,7 @@ import pytest
 from sjasim.choreography.layout import layout
 from sjasim.config import SessionConfig
 from sjasim.core import Geoms
-from sjasim.sensors.depth_camera import Camera, Intrinsics
+from sjasim.sensors.depth_camera import DepthCamera, Intrinsics
 from sjasim.skeleton_training.trials import Trial, stage_dance
 
 NORTH = layout(SessionConfig()).mounts[0]
@@ -72,12 +72,12 @@ def mujocos(model: mujoco.MjModel, data: mujoco.MjData, intrinsics: Intrinsics) 
 
 @pytest.mark.parametrize("forms", [[name] for name in FORMS] + [[*FORMS, *FORMS]])
 def test_every_form_turned_any_way_is_seen_as_mujoco_sees_it(forms: list[str]):
-    intrinsics = Intrinsics.of(256, *FOV)
-    camera = Camera(NORTH, intrinsics)
+    intrinsics = Intrinsics.from_field_of_view(256, *FOV)
+    camera = DepthCamera(NORTH, intrinsics)
     shown: set[int] = set()
     for seed in range(6):
         model, data, geoms = scene(forms, seed)
-        seen = camera.picture(geoms)
+        seen = camera.render(geoms)
         depth, geom, cosine = mujocos(model, data, intrinsics)
         assert (seen.geom == geom).all()
         met = geom >= 0
@@ -89,7 +89,7 @@ def test_every_form_turned_any_way_is_seen_as_mujoco_sees_it(forms: list[str]):
 
 
 def test_the_two_resolutions_have_the_kinects_focal_lengths():
-    full, half = Intrinsics.of(512, *FOV), Intrinsics.of(256, *FOV)
+    full, half = Intrinsics.from_field_of_view(512, *FOV), Intrinsics.from_field_of_view(256, *FOV)
     assert (full.width, full.height, half.width, half.height) == (512, 424, 256, 212)
     assert (full.fx, full.fy) == pytest.approx((361.6, 367.2), abs=0.1)
     assert (2 * half.fx, 2 * half.fy) == pytest.approx((full.fx, full.fy))
@@ -98,8 +98,8 @@ def test_the_two_resolutions_have_the_kinects_focal_lengths():
 def test_columns_grow_to_the_sensors_left_and_rows_downwards():
     place = NORTH.position + NORTH.world_from_sensor @ [0.5, 0.4, 2.0]
     ball = Geoms(np.array([2]), np.array([[0.1, 0, 0]]), place[None], np.eye(3)[None], np.array([0]))
-    intrinsics = Intrinsics.of(256, *FOV)
-    rows, columns = np.nonzero(Camera(NORTH, intrinsics).picture(ball).geom == 0)
+    intrinsics = Intrinsics.from_field_of_view(256, *FOV)
+    rows, columns = np.nonzero(DepthCamera(NORTH, intrinsics).render(ball).geom == 0)
     assert columns.mean() == pytest.approx(127.5 + 0.25 * intrinsics.fx, abs=1.0)
     assert rows.mean() == pytest.approx(105.5 - 0.2 * intrinsics.fy, abs=1.0)
 
@@ -107,7 +107,7 @@ def test_columns_grow_to_the_sensors_left_and_rows_downwards():
 def test_what_lies_behind_or_before_nothing_is_not_seen():
     place = NORTH.position - 2.0 * NORTH.world_from_sensor[:, 2]
     ball = Geoms(np.array([2]), np.array([[0.1, 0, 0]]), place[None], np.eye(3)[None], np.array([0]))
-    seen = Camera(NORTH, Intrinsics.of(256, *FOV)).picture(ball)
+    seen = DepthCamera(NORTH, Intrinsics.from_field_of_view(256, *FOV)).render(ball)
     assert (seen.geom == -1).all()
     assert np.isinf(seen.depth_m).all()
     assert not seen.incidence.any()
@@ -138,8 +138,8 @@ def first_hits(physics, directions):
 
 def test_dancers_and_robot_on_a_stage_are_seen_as_the_stages_own_rays_see_them():
     view, room = stage_dance(Trial(5, 4.0))
-    intrinsics = Intrinsics.of(256, *FOV)
-    seen = Camera(room.mounts[0], intrinsics).picture(view.geoms)
+    intrinsics = Intrinsics.from_field_of_view(256, *FOV)
+    seen = DepthCamera(room.mounts[0], intrinsics).render(view.geoms)
     directions = rays(intrinsics)
     length = np.linalg.norm(directions, axis=2)
     rows, columns = np.nonzero(seen.depth_m * length < 9.9)

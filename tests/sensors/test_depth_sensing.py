@@ -17,9 +17,9 @@ from sjasim.core import INFERRED, NOT_TRACKED, TRACKED, Skeletons
 from sjasim.core.clock import stream
 from sjasim.core.errors import SjasimError
 from sjasim.core.registry import resolve
-from sjasim.sensors.depth_sensing import BEYOND_M, DepthSensing
+from sjasim.sensors.depth_sensing import IMAGE_MARGIN_M, DepthSensing
 from sjasim.sensors.skeleton import posture_prior
-from sjasim.sensors.skeleton.estimator import LEAST_TRUNK, SkeletonEstimator, certainty
+from sjasim.sensors.skeleton.estimator import MIN_TRUNK_JOINTS, SkeletonEstimator, yaw_confidence
 from sjasim.skeleton_training import report
 from sjasim.skeleton_training.trials import Outcome, Trial, perform, run, stage_dance
 
@@ -104,7 +104,7 @@ def test_the_same_frames_give_the_same_skeletons_without_mujoco(tmp_path):
 import sys, math, numpy as np
 from sjasim.sensors.depth_camera import Intrinsics
 from sjasim.sensors.skeleton.estimator import SkeletonEstimator
-estimator = SkeletonEstimator(Intrinsics.of(256, math.radians(70.6), math.radians(60.0)), 0.91)
+estimator = SkeletonEstimator(Intrinsics.from_field_of_view(256, math.radians(70.6), math.radians(60.0)), 0.91)
 for tick, depth in enumerate(np.load({str(tmp_path / "frames.npz")!r})["depths"]):
     found = estimator.update(tick / 30, depth)
     np.savez({str(tmp_path)!r} + f"/{{tick}}.npz", joints=found.joints, state=found.state, persons=found.persons)
@@ -125,14 +125,14 @@ def test_a_depth_image_reaches_beyond_the_farthest_person_that_is_met():
         room.mounts[0], SessionConfig(sensors=SensorConfig(max_range_m=reach_m)), stream(0, "sensor")
     )
     farthest_m = 0.001 * float(sensing.frame(view).max())
-    assert reach_m + 0.9 * BEYOND_M < farthest_m <= reach_m + BEYOND_M
+    assert reach_m + 0.9 * IMAGE_MARGIN_M < farthest_m <= reach_m + IMAGE_MARGIN_M
 
 
 def estimator() -> SkeletonEstimator:
     sensors = SensorConfig()
     from sjasim.sensors.depth_camera import Intrinsics
 
-    pinhole = Intrinsics.of(256, sensors.horizontal_fov_rad, sensors.vertical_fov_rad)
+    pinhole = Intrinsics.from_field_of_view(256, sensors.horizontal_fov_rad, sensors.vertical_fov_rad)
     return SkeletonEstimator(pinhole, 0.91)
 
 
@@ -179,7 +179,7 @@ def test_of_somebody_nearly_hidden_only_what_is_seen_is_told():
         found = watching.update(tick / 30, held)
     trunk = found.state[:, posture_prior.TRUNK] == TRACKED
     assert len(found.persons) == len(before.persons)
-    hidden = trunk.sum(axis=1) < LEAST_TRUNK
+    hidden = trunk.sum(axis=1) < MIN_TRUNK_JOINTS
     assert hidden.any()
     assert np.isnan(found.joints[hidden, 0]).all()
     assert not (found.state[hidden] == INFERRED).any()
@@ -259,7 +259,7 @@ def test_full_resolution_is_as_good():
 
 
 def test_leaves_that_point_everywhere_hardly_turn_anybody():
-    agreeing, torn, silent = certainty(np.array([[120.0, 60.0, 180.0], [3.0, -4.0, 180.0], [0.0, 0.0, 0.0]]))
+    agreeing, torn, silent = yaw_confidence(np.array([[120.0, 60.0, 180.0], [3.0, -4.0, 180.0], [0.0, 0.0, 0.0]]))
     assert agreeing == 1.0
     assert torn < 0.02
     assert silent == 0.0

@@ -7,7 +7,7 @@ import pytest
 
 from sjasim.core.clock import stream
 from sjasim.sensors import kinect_noise
-from sjasim.sensors.depth_camera import Picture
+from sjasim.sensors.depth_camera import RenderedDepth
 from sjasim.sensors.raycast.primitives import BOX, PLANE
 
 FX = 180.8
@@ -15,16 +15,18 @@ RANGE_M = (0.5, 4.5)
 FORM = np.array([PLANE, BOX])
 
 
-def wall(depth_m: float, incidence_rad: float = 0.0, shape: tuple[int, int] = (120, 160), geom: int = 1) -> Picture:
-    return Picture(
+def wall(
+    depth_m: float, incidence_rad: float = 0.0, shape: tuple[int, int] = (120, 160), geom: int = 1
+) -> RenderedDepth:
+    return RenderedDepth(
         np.full(shape, depth_m),
         np.full(shape, geom, np.int16),
         np.full(shape, np.cos(incidence_rad), np.float32),
     )
 
 
-def sensed(picture: Picture, seed: int = 0) -> np.ndarray:
-    return kinect_noise.sensed(picture, FORM, FX, RANGE_M, stream(seed, "noise")) / 1000.0
+def sensed(picture: RenderedDepth, seed: int = 0) -> np.ndarray:
+    return kinect_noise.add_kinect_noise(picture, FORM, FX, RANGE_M, stream(seed, "noise")) / 1000.0
 
 
 def published_m(z: float, theta: float) -> float:
@@ -47,9 +49,9 @@ def test_pixels_mix_and_vanish_at_edges_only():
     picture.depth_m[:, 80:] = 3.0
     seen = sensed(picture)
     edge = seen[:, 79:81]
-    assert (edge == 0).mean() == pytest.approx(kinect_noise.EDGE_LOST, abs=0.08)
+    assert (edge == 0).mean() == pytest.approx(kinect_noise.EDGE_DROPOUT, abs=0.08)
     between = (edge > 2.05) & (edge < 2.95)
-    assert between.mean() == pytest.approx(0.9 * kinect_noise.EDGE_MIXED, abs=0.08)
+    assert between.mean() == pytest.approx(0.9 * kinect_noise.EDGE_MIXING, abs=0.08)
     assert not (seen[:, :78] == 0).any()
     assert np.abs(seen[:, :78] - 2.0).max() < 0.02
 
@@ -84,7 +86,7 @@ def test_lateral_noise_passes_an_edge_as_often_as_it_reaches_between_pixels():
 
 
 def test_grazing_surfaces_lose_pixels():
-    assert (sensed(wall(2.0, 1.5)) == 0).mean() == pytest.approx(kinect_noise.GRAZING_LOST, abs=0.02)
+    assert (sensed(wall(2.0, 1.5)) == 0).mean() == pytest.approx(kinect_noise.GRAZING_DROPOUT, abs=0.02)
     assert not (sensed(wall(2.0, 1.4)) == 0).any()
 
 
@@ -92,7 +94,7 @@ def test_range_is_limited_and_depth_comes_in_whole_millimetres():
     for depth_m in (0.3, 4.7, np.inf):
         assert not sensed(wall(depth_m)).any()
     picture = wall(2.0)
-    assert kinect_noise.sensed(picture, FORM, FX, RANGE_M, stream(0, "noise")).dtype == np.uint16
+    assert kinect_noise.add_kinect_noise(picture, FORM, FX, RANGE_M, stream(0, "noise")).dtype == np.uint16
 
 
 def test_floor_among_floor_is_left_alone():
@@ -106,7 +108,7 @@ def test_floor_among_floor_is_left_alone():
 
 def test_noise_differs_between_frames_and_repeats_with_the_seed():
     rng, picture = stream(0, "noise"), wall(2.0)
-    first, second = (kinect_noise.sensed(picture, FORM, FX, RANGE_M, rng) for _ in range(2))
+    first, second = (kinect_noise.add_kinect_noise(picture, FORM, FX, RANGE_M, rng) for _ in range(2))
     assert (first != second).any()
     assert (np.rint(sensed(picture) * 1000) == first).all()
     assert abs(np.corrcoef(first.ravel(), second.ravel())[0, 1]) < 0.03

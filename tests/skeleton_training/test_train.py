@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from sjasim.sensors.skeleton.forest import answers
+from sjasim.sensors.skeleton.forest import point_features
 from sjasim.skeleton_training.forests import Growth, draw_probes, settle
 from sjasim.skeleton_training.samples import Watcher, in_body
 from sjasim.skeleton_training.scenes import scenes
@@ -41,8 +41,10 @@ def test_features_do_not_depend_on_where_a_point_stands_in_the_list():
     seen = watcher.see(mount, scene)
     probes = draw_probes(20, 0)
     rows = np.flatnonzero(seen.scene.owner[: seen.scene.count] == 0)[:40]
-    both = answers(seen.scene, rows, probes, watcher.intrinsics.fx, seen.persons[0])
-    assert (answers(seen.scene, rows[::-1].copy(), probes, watcher.intrinsics.fx, seen.persons[0])[::-1] == both).all()
+    both = point_features(seen.scene, rows, probes, watcher.intrinsics.fx, seen.persons[0])
+    assert (
+        point_features(seen.scene, rows[::-1].copy(), probes, watcher.intrinsics.fx, seen.persons[0])[::-1] == both
+    ).all()
 
 
 def test_the_persons_frame_turns_with_the_yaw():

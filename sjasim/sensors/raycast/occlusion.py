@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from ...core import Array, BoolArray, IntArray
-from .primitives import BOX, CAPSULE, CYLINDER, ELLIPSOID, PLANE, meet
+from .primitives import BOX, CAPSULE, CYLINDER, ELLIPSOID, PLANE, ray_distance
 
 ROW, OWNER, FORM = 0, 1, 2
 """Columns of the whole numbers of `types.Solids`."""
@@ -21,7 +21,7 @@ ROW, OWNER, FORM = 0, 1, 2
 BOX_M, BALL_M, SHAPE = 3, 6, 7
 """Columns of their shapes after the size: half edges of a box, and the radius of a ball round each of its points."""
 
-CENTRE, AXES, OUTLINE, COLUMNS = 0, 3, 12, 17
+CENTRE, AXES, OUTLINE, PROJECTED_COLUMNS = 0, 3, 12, 17
 """Columns of a solid as an eye has it: centre [m], rotation (eye from solid, row-major), then the outline."""
 
 LOW_X, HIGH_X, LOW_Y, HIGH_Y, NEAREST, OWN, NUMBERS = 0, 1, 2, 3, 4, 5, 6
@@ -31,7 +31,7 @@ _SLACK_M = 1e-9
 """Outlines are wider by this, whatever rounding does."""
 
 
-def shapes(forms: IntArray, sizes: Array) -> Array:
+def bounding_shapes(forms: IntArray, sizes: Array) -> Array:
     """(G, `SHAPE`) sizes, and for each solid a box and a ball: it lies within the ball round some point of the box.
 
     Args:
@@ -49,7 +49,7 @@ def shapes(forms: IntArray, sizes: Array) -> Array:
 
 
 @njit(cache=True, error_model="numpy")
-def outlines(eye: Array, rows: IntArray, shape: Array, position: Array, rotation: Array, seen: Array) -> None:
+def project_geoms(eye: Array, rows: IntArray, shape: Array, position: Array, rotation: Array, seen: Array) -> None:
     """Write how an eye has every solid.
 
     Args:
@@ -89,7 +89,7 @@ def _outline(seen: Array, g: int, half: Array) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def hide(
+def mark_occluded(
     points: Array, owner: int, flesh_m: Array, rows: IntArray, shape: Array, seen: Array, visible: BoolArray
 ) -> None:
     """Clear the marks of those of one person's points that something hides.
@@ -165,7 +165,7 @@ def _distance(form: int, shape: Array, seen: Array, g: int, x: float, y: float, 
     """Distance to a solid along a vector from the eye, in multiples of it."""
     a, b, c, r = seen[g, CENTRE], seen[g, CENTRE + 1], seen[g, CENTRE + 2], seen[g, AXES : AXES + 9]
     return float(
-        meet(
+        ray_distance(
             form, shape[g], -(r[0] * a + r[3] * b + r[6] * c), -(r[1] * a + r[4] * b + r[7] * c),
             -(r[2] * a + r[5] * b + r[8] * c), r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z,
             r[2] * x + r[5] * y + r[8] * z,

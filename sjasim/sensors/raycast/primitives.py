@@ -20,13 +20,13 @@ TINY = 1e-15
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def first(enter: float, leave: float) -> float:
+def first_intersection(enter: float, leave: float) -> float:
     """The one of an interval's ends that a ray comes to."""
     return inf if leave < enter or leave < 0.0 else (enter if enter >= 0.0 else leave)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def plane(px: float, py: float, pz: float, dx: float, dy: float, dz: float, half_x: float, half_y: float) -> float:
+def ray_plane(px: float, py: float, pz: float, dx: float, dy: float, dz: float, half_x: float, half_y: float) -> float:
     """The front of z = 0; a half width of 0 has no end."""
     if dz > -TINY or pz < 0.0:
         return inf
@@ -36,14 +36,14 @@ def plane(px: float, py: float, pz: float, dx: float, dy: float, dz: float, half
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def ball(px: float, py: float, pz: float, dx: float, dy: float, dz: float, radius: float) -> float:
+def ray_sphere(px: float, py: float, pz: float, dx: float, dy: float, dz: float, radius: float) -> float:
     """A sphere; an ellipsoid is one of radius 1 once ``p`` and ``d`` are divided by its semi-axes."""
     a, b = dx * dx + dy * dy + dz * dz, px * dx + py * dy + pz * dz
     root = b * b - a * (px * px + py * py + pz * pz - radius * radius)
     if root < 0.0:
         return inf
     root = sqrt(root)
-    return float(first((-b - root) / a, (root - b) / a))
+    return float(first_intersection((-b - root) / a, (root - b) / a))
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -54,7 +54,7 @@ def _cap(px: float, py: float, z: float, dx: float, dy: float, dz: float, radius
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def capsule(px: float, py: float, pz: float, dx: float, dy: float, dz: float, radius: float, half: float) -> float:
+def ray_capsule(px: float, py: float, pz: float, dx: float, dy: float, dz: float, radius: float, half: float) -> float:
     """A capsule along z: a ray that meets the endless cylinder enters by its side or by the end that it comes to."""
     a, b = dx * dx + dy * dy, px * dx + py * dy
     root = b * b - a * (px * px + py * py - radius * radius)
@@ -81,7 +81,7 @@ def _slab(p: float, d: float, half: float) -> tuple[float, float]:
 
 
 @njit(cache=True, error_model="numpy")
-def cylinder(px: float, py: float, pz: float, dx: float, dy: float, dz: float, radius: float, half: float) -> float:
+def ray_cylinder(px: float, py: float, pz: float, dx: float, dy: float, dz: float, radius: float, half: float) -> float:
     """A cylinder along z: where the ray is in the endless one and between the ends."""
     a, b = dx * dx + dy * dy, px * dx + py * dy
     c = px * px + py * py - radius * radius
@@ -92,41 +92,41 @@ def cylinder(px: float, py: float, pz: float, dx: float, dy: float, dz: float, r
     if a >= TINY:
         root = sqrt(root)
         enter, leave = max(enter, (-b - root) / a), min(leave, (root - b) / a)
-    return float(first(enter, leave))
+    return float(first_intersection(enter, leave))
 
 
 @njit(cache=True, error_model="numpy")
-def box(
+def ray_box(
     px: float, py: float, pz: float, dx: float, dy: float, dz: float, half_x: float, half_y: float, half_z: float
 ) -> float:
     """A box: where the ray is between all three pairs of planes."""
     ax, bx = _slab(px, dx, half_x)
     ay, by = _slab(py, dy, half_y)
     az, bz = _slab(pz, dz, half_z)
-    return float(first(max(ax, ay, az), min(bx, by, bz)))
+    return float(first_intersection(max(ax, ay, az), min(bx, by, bz)))
 
 
 @njit(cache=True, error_model="numpy")
-def meet(form: int, size: Array, px: float, py: float, pz: float, dx: float, dy: float, dz: float) -> float:
+def ray_distance(form: int, size: Array, px: float, py: float, pz: float, dx: float, dy: float, dz: float) -> float:
     """Distance to a primitive of any form; ``size`` (3,) as MuJoCo means it."""
     if form == CAPSULE:
-        return float(capsule(px, py, pz, dx, dy, dz, size[0], size[1]))
+        return float(ray_capsule(px, py, pz, dx, dy, dz, size[0], size[1]))
     if form == SPHERE:
-        return float(ball(px, py, pz, dx, dy, dz, size[0]))
+        return float(ray_sphere(px, py, pz, dx, dy, dz, size[0]))
     if form == ELLIPSOID:
         x, y, z = 1.0 / size[0], 1.0 / size[1], 1.0 / size[2]
-        return float(ball(px * x, py * y, pz * z, dx * x, dy * y, dz * z, 1.0))
+        return float(ray_sphere(px * x, py * y, pz * z, dx * x, dy * y, dz * z, 1.0))
     if form == CYLINDER:
-        return float(cylinder(px, py, pz, dx, dy, dz, size[0], size[1]))
+        return float(ray_cylinder(px, py, pz, dx, dy, dz, size[0], size[1]))
     if form == BOX:
-        return float(box(px, py, pz, dx, dy, dz, size[0], size[1], size[2]))
+        return float(ray_box(px, py, pz, dx, dy, dz, size[0], size[1], size[2]))
     if form == PLANE:
-        return float(plane(px, py, pz, dx, dy, dz, size[0], size[1]))
+        return float(ray_plane(px, py, pz, dx, dy, dz, size[0], size[1]))
     return inf
 
 
 @njit(cache=True, error_model="numpy")
-def normal(form: int, size: Array, x: float, y: float, z: float) -> tuple[float, float, float]:
+def surface_normal(form: int, size: Array, x: float, y: float, z: float) -> tuple[float, float, float]:
     """A vector across the surface at one of its points; of any length."""
     if form == CAPSULE:
         return x, y, z - min(max(z, -size[1]), size[1])

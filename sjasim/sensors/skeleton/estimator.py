@@ -26,14 +26,14 @@ from . import (
     segmentation,
     surface_tracking,
 )
-from .joint_voting import LEAST_VOTES, Votes, yaw_votes
+from .joint_voting import MIN_VOTES, JointVoter, yaw_votes
 from .person_tracking import Person
 from .segmentation import Foreground
-from .trained_model import Model, default, unpacked
+from .trained_model import SkeletonModel, default_model, runtime_model
 
-VOTING, TURNING = 240, 90
+JOINT_VOTE_POINTS, YAW_VOTE_POINTS = 240, 90
 """Points of a person that vote for joints and for the yaw."""
-LEAST_M2 = 0.02
+MIN_SURFACE_M2 = 0.02
 """Surface of a person that must be seen (assumed)."""
 AGREED = 0.25
 """Agreement of the leaves from which on the forest's yaw counts in full: 0 where they point everywhere, 1 where all are
@@ -45,19 +45,19 @@ OBJECT_M2 = 0.01
 EDGE_M = 0.12
 """Somebody whose visible surface has its middle this near to the picture's left or right edge is half out of it, and
 out of sight: what is left would be taken for all of the body, and hold back who leaves (assumed)."""
-LEAST_TRUNK = 4
+MIN_TRUNK_JOINTS = 4
 """With fewer joints of the trunk tracked, where the others are is a guess that jumps by decimetres: they are not
 tracked (measured: most false events of a session came from two or fewer)."""
 LONGEST_S = 1.0
 """A longer gap between frames counts as this long."""
 
 
-def unit_scale(stature_m: Array) -> Array:
+def scale_from_stature(stature_m: Array) -> Array:
     """Stature over that of the model's person, 1.75 m."""
     return stature_m / 1.75
 
 
-def person_rows(body: Array, scales: Array, yaws: Array) -> Array:
+def person_features(body: Array, scales: Array, yaws: Array) -> Array:
     """(P, 6) what the forests are told of each person: x, z, width over scale, scale, cosine and sine of the yaw.
 
     Args:
@@ -68,13 +68,13 @@ def person_rows(body: Array, scales: Array, yaws: Array) -> Array:
     return np.stack([body[:, 1], body[:, 2], body[:, 4] / scales, scales, np.cos(yaws), np.sin(yaws)], axis=1)
 
 
-def certainty(votes: Array) -> Array:
+def yaw_confidence(votes: Array) -> Array:
     """(P,) how much the forest's yaw counts, 0 to 1, by how well its leaves agree; of (P, 3) from `yaw_votes`."""
     agreed = np.hypot(votes[:, 0], votes[:, 1]) / np.maximum(votes[:, 2], 1.0)
     return np.asarray(np.minimum(agreed / AGREED, 1.0) ** 2)
 
 
-def shares(counts: Array, wanted: int) -> Array:
+def sampling_fractions(counts: Array, wanted: int) -> Array:
     """The part of a person's points that makes about as many as are wanted."""
     return np.asarray(wanted / np.maximum(counts, wanted))
 
@@ -83,8 +83,8 @@ def shares(counts: Array, wanted: int) -> Array:
 def _join_hands(joints: Array, support: Array, agree: Array) -> None:
     """Hands that touch show each only half of their surface: where one is seen, so is the other."""
     for k in range(len(joints)):
-        for left, right in person_tracking.HANDS:
-            if person_tracking.near(joints[k, left], joints[k, right], person_tracking.TOUCH_M):
+        for left, right in person_tracking.HAND_JOINTS:
+            if person_tracking.closer_than(joints[k, left], joints[k, right], person_tracking.TOUCH_M):
                 support[k, left] = support[k, right] = max(support[k, left], support[k, right])
                 agree[k, left] = agree[k, right] = agree[k, left] + agree[k, right]
 
@@ -100,14 +100,14 @@ class SkeletonEstimator:
     """
 
     def __init__(
-        self, intrinsics: Intrinsics, height_m: float, far_m: float = math.inf, model: Model | None = None
+        self, intrinsics: Intrinsics, height_m: float, far_m: float = math.inf, model: SkeletonModel | None = None
     ) -> None:
         self._intrinsics = intrinsics
         self._height_m, self._far_m = height_m, far_m
-        self._model = unpacked(model or default())
-        self._votes = Votes(self._model, MAX_TRACKED_PERSONS)
-        self._scene = Foreground.room(intrinsics)
-        self._lens = hand_localization.lens(intrinsics, height_m)
+        self._model = runtime_model(model or default_model())
+        self._votes = JointVoter(self._model, MAX_TRACKED_PERSONS)
+        self._scene = Foreground.allocate(intrinsics)
+        self._lens = hand_localization.image_projection(intrinsics, height_m)
         self._per_pixel = 1.0 / (intrinsics.fx * intrinsics.fy)
         self._persons: list[Person] = []
         self._low = np.full(2, np.nan)
@@ -130,14 +130,14 @@ class SkeletonEstimator:
         self._check(depth_mm)
         interval_s = min(max(t_s - self._t_s, 0.0), LONGEST_S) if math.isfinite(self._t_s) else 0.0
         self._t_s = t_s
-        segmentation.lift(depth_mm, self._intrinsics, self._height_m, self._scene)
+        segmentation.extract_foreground(depth_mm, self._intrinsics, self._height_m, self._scene)
         for person in self._persons:
             person.predict(interval_s)
         self._separate()
         self._recognise(interval_s)
         gone = person_tracking.FORGET_S
         self._persons = [one for one in self._persons if one.missing_s <= (gone if one.confirmed else 0.0)]
-        self._persons = person_tracking.without_doubles(self._persons)
+        self._persons = person_tracking.remove_duplicates(self._persons)
         return self._skeletons()
 
     def _check(self, depth_mm: NDArray[np.uint16]) -> None:
@@ -152,26 +152,26 @@ class SkeletonEstimator:
         """Share the points out, and meet whoever is new."""
         self._share()
         area = STRANGER_M2
-        strange = segmentation.strangers(self._scene, self._intrinsics, area, person_tracking.REACH_M)
+        strange = segmentation.find_new_persons(self._scene, self._intrinsics, area, person_tracking.REACH_M)
         if strange:
-            for x, z in person_tracking.found_again(strange, self._persons):
+            for x, z in person_tracking.recover_lost(strange, self._persons):
                 if len(self._persons) < MAX_TRACKED_PERSONS and not self._half_out(x, z):
                     self._persons.append(Person(self._next, np.array([x, z])))
                     self._next += 1
             self._share()
-        self._low = segmentation.low_object(self._scene, self._low, self._intrinsics, OBJECT_M2)
+        self._low = segmentation.locate_low_object(self._scene, self._low, self._intrinsics, OBJECT_M2)
 
     def _share(self) -> None:
         places = np.array([person.place for person in self._persons]).reshape(-1, 2)
         joints = np.array([self._expected(person) for person in self._persons]).reshape(-1, len(JOINTS), 3)
-        segmentation.share(self._scene, places, joints, self._low)
+        segmentation.assign_owners(self._scene, places, joints, self._low)
 
     def _expected(self, person: Person) -> Array:
         """Predicted joints, or those of anybody for somebody new."""
         if person.frames:
             return person.joints
         offset = np.array([person.place[0], 0.0, person.place[1]])
-        return np.asarray(posture_prior.from_body(self._model.mean, 0.0) + offset)
+        return np.asarray(posture_prior.sensor_from_body(self._model.mean, 0.0) + offset)
 
     def _recognise(self, interval_s: float) -> None:
         persons, fx = self._persons, self._intrinsics.fx
@@ -179,47 +179,47 @@ class SkeletonEstimator:
             return
         places = np.array([person.place for person in persons])
         known = np.array([person.scale or 1.0 for person in persons])
-        body = segmentation.measured(self._scene, places, known, self._per_pixel)
+        body = segmentation.measure_persons(self._scene, places, known, self._per_pixel)
         for person, (count, _, _, crown, width) in zip(persons, body, strict=True):
             if count:
-                person.grow(float(crown), float(width), interval_s)
+                person.update_size(float(crown), float(width), interval_s)
         scales = np.array([person.scale or 1.0 for person in persons])
-        rows = person_rows(body, scales, np.zeros(len(persons)))
+        rows = person_features(body, scales, np.zeros(len(persons)))
         pixel_m2 = self._per_pixel * places[:, 1] ** 2
         surface = body[:, 0] * pixel_m2
-        turned = yaw_votes(self._scene, self._model, shares(body[:, 0], TURNING), fx, rows)
-        sure = certainty(turned)
+        turned = yaw_votes(self._scene, self._model, sampling_fractions(body[:, 0], YAW_VOTE_POINTS), fx, rows)
+        sure = yaw_confidence(turned)
         for person, votes, row, share in zip(persons, turned, rows, sure, strict=True):
-            person.turn(votes, interval_s * share)
-            row[:2] = person.steady(row[:2], interval_s)
+            person.update_yaw(votes, interval_s * share)
+            row[:2] = person.smooth_surface(row[:2], interval_s)
             person.width += 0.1 * (float(row[2]) - person.width)
             row[2], row[4], row[5] = person.width, math.cos(person.yaw_rad), math.sin(person.yaw_rad)
         prior = np.array([person.joints for person in persons])
-        taken = shares(body[:, 0], VOTING)
-        joints, support, agree = self._votes.joints(self._scene, taken, fx, rows, prior)
+        taken = sampling_fractions(body[:, 0], JOINT_VOTE_POINTS)
+        joints, support, agree = self._votes.find_joints(self._scene, taken, fx, rows, prior)
         _join_hands(joints, support, agree)
-        seen = (support > self._model.support) & (agree >= LEAST_VOTES) & np.isfinite(joints[:, :, 0])
-        hand_localization.settle(self._scene, self._lens, places[:, 1], scales, prior, joints, seen)
-        cells = surface_tracking.gathered(self._scene, prior, scales)
+        seen = (support > self._model.support) & (agree >= MIN_VOTES) & np.isfinite(joints[:, :, 0])
+        hand_localization.localize_hands(self._scene, self._lens, places[:, 1], scales, prior, joints, seen)
+        cells = surface_tracking.measure_patches(self._scene, prior, scales)
         for k, person in enumerate(persons):
-            if surface[k] < LEAST_M2 or self._half_out(*body[k, 1:3]):
-                person.lose(interval_s)
+            if surface[k] < MIN_SURFACE_M2 or self._half_out(*body[k, 1:3]):
+                person.coast(interval_s)
                 continue
-            person.hold(joints[k], seen[k], agree[k] > 0.0, interval_s)
-            person.see(joints[k], seen[k], self._model, interval_s, self._believed(person, seen[k]))
+            person.bridge_dropouts(joints[k], seen[k], agree[k] > 0.0, interval_s)
+            person.update(joints[k], seen[k], self._model, interval_s, self._believed(person, seen[k]))
             voted = np.where(seen[k][:, None], joints[k], np.nan)
-            person.anchor(cells[k], prior[k], voted, surface_tracking.LEAST_M2 / pixel_m2[k], interval_s)
+            person.correct_depth(cells[k], prior[k], voted, surface_tracking.MIN_AGREEING_M2 / pixel_m2[k], interval_s)
         joints = np.array([person.joints for person in persons])
-        shown = joint_visibility.shown(self._scene.image, self._intrinsics, self._height_m, joints, scales)
+        shown = joint_visibility.joint_visibility(self._scene.image, self._intrinsics, self._height_m, joints, scales)
         for person, limbs in zip(persons, shown, strict=True):
             person.shown = limbs
 
-    def _believed(self, person: Person, seen: posture_prior.Seen) -> Array | None:
+    def _believed(self, person: Person, seen: posture_prior.JointMask) -> Array | None:
         """How far remembered postures count for a person's hands; asked only while one is not seen."""
-        if seen[hand_localization.FISTS].all():
+        if seen[hand_localization.PALMS].all():
             return None
         of = person.place, person.yaw_rad, person.scale, self._model.memory, self._model.mean
-        return np.asarray(free_space.believed(self._scene.image, self._lens, *of))
+        return np.asarray(free_space.posture_likelihood(self._scene.image, self._lens, *of))
 
     def _half_out(self, x_m: float, z_m: float) -> bool:
         """Whether the picture cuts off half of somebody whose visible surface has its middle there."""
@@ -233,11 +233,11 @@ class SkeletonEstimator:
         joints[:, :, 1] -= self._height_m
         in_sight = np.array([person.missing_s == 0.0 for person in persons], dtype=bool)
         shown = np.array([person.shown for person in persons]).reshape(-1, len(JOINTS))
-        state[in_sight[:, None] & (state == TRACKED) & (shown == joint_visibility.HIDDEN)] = INFERRED
-        guessed = in_sight & ((state[:, posture_prior.TRUNK] == TRACKED).sum(axis=1) < LEAST_TRUNK)
-        state[(in_sight & ~guessed)[:, None] & (state == INFERRED) & (shown == joint_visibility.SHOWN)] = TRACKED
-        for tips in person_tracking.HANDS[2:]:  # where the image does not tell, the hand that they sit on does
-            held = (state[:, tips] == INFERRED) & (shown[:, tips] == 0) & (state[:, hand_localization.FISTS] == TRACKED)
+        state[in_sight[:, None] & (state == TRACKED) & (shown == joint_visibility.OCCLUDED)] = INFERRED
+        guessed = in_sight & ((state[:, posture_prior.TRUNK] == TRACKED).sum(axis=1) < MIN_TRUNK_JOINTS)
+        state[(in_sight & ~guessed)[:, None] & (state == INFERRED) & (shown == joint_visibility.VISIBLE)] = TRACKED
+        for tips in person_tracking.HAND_JOINTS[2:]:  # where the image does not tell, the hand that they sit on does
+            held = (state[:, tips] == INFERRED) & (shown[:, tips] == 0) & (state[:, hand_localization.PALMS] == TRACKED)
             state[:, tips] = np.where(held & in_sight[:, None], TRACKED, state[:, tips])
         state[(joints[:, :, 2] > self._far_m) & (state == TRACKED)] = INFERRED
         state[guessed[:, None] & (state == INFERRED)] = NOT_TRACKED

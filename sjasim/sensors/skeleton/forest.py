@@ -17,13 +17,13 @@ from .segmentation import Foreground, Image, Pixels, Points
 
 CLIP_MM = 600
 """Depth differences beyond this say only: something else, before or behind (assumed)."""
-EXTRAS = 9
+EXTRA_FEATURES = 9
 """Features beyond the probes: height, x and z from the trunk, chest width, scale; then, for the joints' forest only,
 steps forward and to the left of the trunk, cosine and sine of the yaw."""
-YAW_EXTRAS = 5
+YAW_EXTRA_FEATURES = 5
 FINE = 10_000
 """Extra features are whole numbers of this part of a metre, or of one."""
-THRESHOLD, OFFSETS, CHILD, EXTRA, LEAF, COLUMNS = 0, 1, 5, 6, 7, 8
+THRESHOLD, OFFSETS, CHILD, EXTRA, LEAF, NODE_COLUMNS = 0, 1, 5, 6, 7, 8
 """Columns of a node: answers up to the first go to the left child, others to the node after it [mm, or `FINE`]; two
 offsets to the left and up [mm]; the left child, or the node itself for a leaf; 1 + the extra feature asked for, or 0;
 the leaf's number."""
@@ -60,7 +60,7 @@ def _probed(
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def extras(p: Row, person: Row, out: Leaves) -> None:
+def write_extra_features(p: Row, person: Row, out: Leaves) -> None:
     """Write the features beyond the probes from ``out[1]`` on, in the order that `EXTRAS` tells."""
     scale, cos, sin = person[3], person[4], person[5]
     x, z = (p[0] - person[0]) / scale, (p[2] - person[1]) / scale
@@ -86,7 +86,7 @@ def _child(
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def descend(nodes: Nodes, image: Image, v: int, u: int, reach: float, extra: Leaves, at: Leaves) -> None:
+def find_leaves(nodes: Nodes, image: Image, v: int, u: int, reach: float, extra: Leaves, at: Leaves) -> None:
     """Follow a pixel from the nodes ``at`` to its leaves.
 
     Three trees at a time, so that each node is in a register: with more, or in an array, it takes twice as long.
@@ -123,7 +123,7 @@ def _answers(
     probes: Nodes, image: Image, pixel: Pixels, point: Points, rows: NDArray[np.int64], fx: np.float32, person: Row,
     out: NDArray[np.float32],
 ) -> None:  # fmt: skip
-    extra = np.zeros(1 + EXTRAS, np.int32)
+    extra = np.zeros(1 + EXTRA_FEATURES, np.int32)
     last_v, last_u = np.uint32(image.shape[0] - 1), np.uint32(image.shape[1] - 1)
     for q in range(len(rows)):
         i = rows[q]
@@ -136,12 +136,12 @@ def _answers(
             p = probes[k]
             off = _probed(image, last_v, last_u, row, column, near, far, per_mm, p[0], p[1], p[2], p[3])
             out[q, k] = np.float32(0.001) * np.float32(off)
-        extras(point[i], person, extra)
-        for k in range(EXTRAS):
+        write_extra_features(point[i], person, extra)
+        for k in range(EXTRA_FEATURES):
             out[q, len(probes) + k] = np.float32(extra[1 + k]) / np.float32(FINE)
 
 
-def answers(
+def point_features(
     scene: Foreground, rows: NDArray[np.int64], probes: NDArray[np.float16], fx: float, person: Array
 ) -> Points:
     """All features of some points, for training.
@@ -156,7 +156,7 @@ def answers(
     Returns:
         (Q, F + 9) features [m, or one].
     """
-    out = np.empty((len(rows), len(probes) + EXTRAS), np.float32)
+    out = np.empty((len(rows), len(probes) + EXTRA_FEATURES), np.float32)
     rough = person.astype(np.float32)
     _answers(_whole(probes), scene.image, scene.pixel, scene.point, rows, np.float32(fx), rough, out)
     return out
@@ -166,7 +166,7 @@ def _whole(probes: NDArray[np.float16]) -> Nodes:
     return np.asarray(np.rint(1000.0 * probes.astype(float)), dtype=np.int16)
 
 
-def packed(
+def pack_nodes(
     probes: NDArray[np.float16], feature: NDArray[np.uint8], threshold: NDArray[np.float16], left: NDArray[np.int16],
     right: NDArray[np.int16], roots: NDArray[np.int16],
 ) -> tuple[Nodes, Leaves]:  # fmt: skip
@@ -181,7 +181,7 @@ def packed(
     asks, child = feature[old].astype(np.int64), left[old].astype(np.int64)
     leaf, extra = child < 0, asks >= len(probes)
     limit = np.iinfo(np.int16).max
-    node = np.zeros((len(old), COLUMNS), np.int16)
+    node = np.zeros((len(old), NODE_COLUMNS), np.int16)
     bound = np.floor(np.where(extra, FINE, 1000) * threshold[old].astype(float))
     node[:, THRESHOLD] = np.where(leaf, limit, np.clip(bound, -limit, limit))
     offsets = _whole(probes)[np.where(extra, 0, asks)]

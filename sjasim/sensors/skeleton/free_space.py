@@ -12,20 +12,20 @@ import numpy as np
 from numba import njit
 
 from ...core import Array
-from .hand_localization import FISTS, Lens
+from .hand_localization import PALMS, ImageProjection
 from .segmentation import Image
 
-HAND_M, BEHIND_M = 0.04, 0.05
+HALF_HAND_M, BEHIND_M = 0.04, 0.05
 """Half a hand's width, and how far behind its middle the surface in its place is another one (assumed)."""
 OPEN = 0.8
 """With more than this share of a hand's pixels beyond it, there is no hand (measured: of hidden hands none, of visible
 ones one in a hundred)."""
-DOUBT = 0.001
+FREE_SPACE_WEIGHT = 0.001
 """So much is a posture believed that is looked through: another one counts, if there is one (assumed)."""
 
 
 @njit(cache=True, error_model="numpy")
-def looked_through(image: Image, lens: Lens, x: float, y: float, z: float, half_m: float) -> bool:
+def is_free_space(image: Image, lens: ImageProjection, x: float, y: float, z: float, half_m: float) -> bool:
     """Whether there is nothing at a point [m] or before it; not so beyond the picture's edge."""
     fx, fy, middle_u, middle_v, height_m = lens
     if not z > half_m:
@@ -42,8 +42,8 @@ def looked_through(image: Image, lens: Lens, x: float, y: float, z: float, half_
 
 
 @njit(cache=True, error_model="numpy")
-def believed(
-    image: Image, lens: Lens, place: Array, yaw_rad: float, scale: float, memory: Array, mean: Array
+def posture_likelihood(
+    image: Image, lens: ImageProjection, place: Array, yaw_rad: float, scale: float, memory: Array, mean: Array
 ) -> Array:  # fmt: skip
     """How far remembered postures are believed.
 
@@ -63,10 +63,10 @@ def believed(
     out = np.ones((len(memory), 2))
     for n in range(len(memory)):
         for side in range(2):
-            j = FISTS[side]
+            j = PALMS[side]
             forward, left = scale * (memory[n, 3 * j] + mean[j, 0]), scale * (memory[n, 3 * j + 2] + mean[j, 2])
             up = scale * (memory[n, 3 * j + 1] + mean[j, 1])
             x, z = place[0] - sin * forward - cos * left, place[1] - cos * forward + sin * left
-            if looked_through(image, lens, x, up, z, HAND_M * scale):
-                out[n, side] = DOUBT
+            if is_free_space(image, lens, x, up, z, HALF_HAND_M * scale):
+                out[n, side] = FREE_SPACE_WEIGHT
     return out

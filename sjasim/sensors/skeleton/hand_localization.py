@@ -16,8 +16,8 @@ from numba import njit
 from ...core import Array
 from ...core.memory import put
 from ..depth_camera import Intrinsics
-from .person_tracking import HANDS, near
-from .posture_prior import Seen
+from .person_tracking import HAND_JOINTS, closer_than
+from .posture_prior import JointMask
 from .segmentation import Foreground, Image, Owners, Points
 
 AHEAD_M = 0.15
@@ -34,22 +34,22 @@ MINE_M, STEPS, LEAST_POINTS = 0.07, 2, 3
 DEEP_M = 0.03
 """A hand's middle is so far behind that of its visible surface (assumed)."""
 
-Lens = tuple[float, float, float, float, float]
+ImageProjection = tuple[float, float, float, float, float]
 """Focal lengths and middle in pixels of `segmentation.Foreground.image`, and the sensor's height [m]."""
-FISTS = HANDS[1]
+PALMS = HAND_JOINTS[1]
 """(2,) left and right."""
 
 
-def lens(intrinsics: Intrinsics, height_m: float) -> Lens:
+def image_projection(intrinsics: Intrinsics, height_m: float) -> ImageProjection:
     """How points meet the pixels of a scene's image, which has a rim."""
     middle_u, middle_v = (intrinsics.width + 1) / 2.0, (intrinsics.height + 1) / 2.0
     return intrinsics.fx, intrinsics.fy, middle_u, middle_v, height_m
 
 
 @njit(cache=True, error_model="numpy")
-def surface_m2(image: Image, lens: Lens, place: Array, about_m: float) -> float:
+def visible_surface_m2(image: Image, image_projection: ImageProjection, place: Array, about_m: float) -> float:
     """How much surface there is within a distance of a point (3,) [m^2]; 0 for a point out of the picture."""
-    fx, fy, middle_u, middle_v, height_m = lens
+    fx, fy, middle_u, middle_v, height_m = image_projection
     x, y, z = place[0], place[1] - height_m, place[2]
     if not z > about_m:
         return 0.0
@@ -92,37 +92,46 @@ def _part(
     point: Points, owner: Owners, who: int, ahead_m: float, scale: float, prior: Array, joints: Array
 ) -> None:  # fmt: skip
     """Tell a person's hands apart that are close and have not met."""
-    left, right = prior[FISTS[0]], prior[FISTS[1]]
-    if not near(left, right, PART_M * scale) or near(left, right, MET_M * scale):
+    left, right = prior[PALMS[0]], prior[PALMS[1]]
+    if not closer_than(left, right, PART_M * scale) or closer_than(left, right, MET_M * scale):
         return
     if left[2] > ahead_m or right[2] > ahead_m:
         return
-    fists = prior[FISTS]
+    fists = prior[PALMS]
     for f in range(2):
         fists[f, 2] -= DEEP_M * scale
     for _ in range(STEPS):
         if not _share(point, owner, who, ahead_m, MINE_M * scale, fists):
             return
     for f in range(2):
-        put(joints[FISTS[f]], fists[f])
-        joints[FISTS[f], 2] += DEEP_M * scale
+        put(joints[PALMS[f]], fists[f])
+        joints[PALMS[f], 2] += DEEP_M * scale
 
 
 @njit(cache=True, error_model="numpy")
 def _settle(
-    image: Image, lens: Lens, point: Points, owner: Owners, trunk_m: Array, scales: Array, prior: Array, joints: Array,
-    seen: Seen,
+    image: Image, image_projection: ImageProjection, point: Points, owner: Owners, trunk_m: Array, scales: Array, prior: Array, joints: Array,
+    seen: JointMask,
 ) -> None:  # fmt: skip
     for k in range(len(joints)):
         scale, ahead_m = scales[k], trunk_m[k] - AHEAD_M * scales[k]
         _part(point, owner, k, ahead_m, scale, prior[k], joints[k])
-        for j in HANDS.ravel():
-            if not seen[k, j] and joints[k, j, 2] < ahead_m and near(joints[k, j], prior[k, j], SAME_M * scale):
-                seen[k, j] = surface_m2(image, lens, joints[k, j], ABOUT_M * scale) > LEAST_M2 * scale * scale
+        for j in HAND_JOINTS.ravel():
+            if not seen[k, j] and joints[k, j, 2] < ahead_m and closer_than(joints[k, j], prior[k, j], SAME_M * scale):
+                seen[k, j] = (
+                    visible_surface_m2(image, image_projection, joints[k, j], ABOUT_M * scale)
+                    > LEAST_M2 * scale * scale
+                )
 
 
-def settle(
-    scene: Foreground, lens: Lens, trunk_m: Array, scales: Array, prior: Array, joints: Array, seen: Seen
+def localize_hands(
+    scene: Foreground,
+    image_projection: ImageProjection,
+    trunk_m: Array,
+    scales: Array,
+    prior: Array,
+    joints: Array,
+    seen: JointMask,
 ) -> None:
     """Correct the hands of all persons by their surface.
 
@@ -136,4 +145,6 @@ def settle(
         seen: (P, 25) which joints are supported; those of hands that show surface are added.
     """
     points = slice(scene.count)
-    _settle(scene.image, lens, scene.point[points], scene.owner[points], trunk_m, scales, prior, joints, seen)
+    _settle(
+        scene.image, image_projection, scene.point[points], scene.owner[points], trunk_m, scales, prior, joints, seen
+    )

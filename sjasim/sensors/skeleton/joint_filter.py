@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...assets.names import JOINT_INDEX, JOINTS
 from ...core import INFERRED, TRACKED, Array
 from ...core.memory import put
-from .posture_prior import TRUNK, Seen
+from .posture_prior import TRUNK, JointMask
 
 RELAX_S = 0.10
 """Time constant with which a hidden joint goes where the rest of the posture says (assumed)."""
@@ -69,8 +69,8 @@ def _common(moved: Array, yaw_rad: float, interval_s: float) -> Array:
 
 
 @njit(cache=True)
-def follow(
-    found: Array, seen: Seen, likely: Array, yaw_rad: float, spin_rad_s: float, interval_s: float, joints: Array,
+def filter_joints(
+    found: Array, seen: JointMask, likely: Array, yaw_rad: float, spin_rad_s: float, interval_s: float, joints: Array,
     state: NDArray[np.int8], carry: Array,
 ) -> None:  # fmt: skip
     """Move a person's joints on from their predictions.

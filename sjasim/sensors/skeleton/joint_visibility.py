@@ -32,7 +32,7 @@ COVERED = 0.8
 """A joint of whose middle more than this share is covered is hidden (measured: so are 98 in 100 of those)."""
 ARMS_M = 0.40
 """What is farther before a joint of the trunk than this is somebody else's: no own arm reaches so far (assumed)."""
-HIDDEN, SHOWN = -1, 1
+OCCLUDED, VISIBLE = -1, 1
 
 
 @njit(cache=True, error_model="numpy")
@@ -54,8 +54,8 @@ def _look(
                 inner += 1
                 covered += depth < near_mm
     if there == 0 or covered > COVERED * inner:
-        return HIDDEN
-    return SHOWN if there > ENOUGH * seen else 0
+        return OCCLUDED
+    return VISIBLE if there > ENOUGH * seen else 0
 
 
 @njit(cache=True, error_model="numpy")
@@ -79,10 +79,12 @@ def _shown(
                 continue
             u, v = round(middle_u + fx * x / z), round(middle_v - fy * (y - height_m) / z)
             if 0 <= u <= 2.0 * middle_u and 0 <= v <= 2.0 * middle_v:
-                out[k, j] = HIDDEN * (image[v + 1, u + 1] < 1000.0 * (z - ARMS_M * scales[k]))
+                out[k, j] = OCCLUDED * (image[v + 1, u + 1] < 1000.0 * (z - ARMS_M * scales[k]))
 
 
-def shown(image: Image, intrinsics: Intrinsics, height_m: float, joints: Array, scales: Array) -> NDArray[np.int8]:
+def joint_visibility(
+    image: Image, intrinsics: Intrinsics, height_m: float, joints: Array, scales: Array
+) -> NDArray[np.int8]:
     """Whether joints are where they are believed to be.
 
     Args:

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from ...assets.names import JOINTS
 from ...core import Array, IntArray
 from ...core.memory import put
-from .forest import EXTRAS, LEAF, Leaves, Nodes, descend, extras
+from .forest import EXTRA_FEATURES, LEAF, Leaves, Nodes, find_leaves, write_extra_features
 from .segmentation import Foreground, Image, Owners, Pixels, Points
-from .trained_model import MILLI, SPREAD_M, Unpacked
+from .trained_model import OFFSET_UNIT_M, SPREAD_UNIT_M, RuntimeModel
 
 BANDWIDTHS_M = np.array([0.22, 0.09, 0.05])
 """Of the mean shift, one for every step (assumed)."""
@@ -28,28 +28,28 @@ FLOOR_SPREAD_M = 0.03
 """Added to a vote's spread before it becomes a weight (assumed)."""
 SURE_M = 0.10
 """Votes with a larger spread do not make a joint tracked (assumed)."""
-LOOSE_M = 0.15
+MAX_SPREAD_M = 0.15
 """Votes with a larger spread are not worth their time (assumed)."""
 FIRST_M = 0.12
 """Votes with a larger spread do not say where to begin (assumed)."""
 LIMB_M, LIMB_SHARE = (0.20, 0.15), 16
 """A point so far beside the trunk, or before it, is a limb's; so many times more of these vote (assumed)."""
-LEAST_VOTES = 4
+MIN_VOTES = 4
 """Fewer votes than these say nothing of an arm: they are one stray pixel's (measured: of hands that were tracked more
 than 15 cm off, nine in ten had one or two, of those well found one in twenty had less than four)."""
 AGREE = 4.0
 """Votes within two bandwidths, here squared, agree."""
 STAY = 2.0
 """An arm's joint is looked for at its prediction, too; elsewhere so many times the weight must agree (assumed)."""
-MOST = 4000
+MAX_VOTES = 4000
 """Room for so many votes for one joint of one person; more are not counted. Not a power of two: a cache would have a
 single place for the votes of all joints."""
 
 _ARM = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb")) for name in JOINTS])
 Floats = NDArray[np.float32]
-_SPREADS_M = SPREAD_M * np.arange(256)
+_SPREADS_M = SPREAD_UNIT_M * np.arange(256)
 _WEIGHTS = ((_SPREADS_M**2 + FLOOR_SPREAD_M**2) ** -2).astype(np.float32)
-_LOOSE, _FIRST, _SURE = (int(np.searchsorted(_SPREADS_M, limit_m)) for limit_m in (LOOSE_M, FIRST_M, SURE_M))
+_LOOSE, _FIRST, _SURE = (int(np.searchsorted(_SPREADS_M, limit_m)) for limit_m in (MAX_SPREAD_M, FIRST_M, SURE_M))
 X, Y, Z, WEIGHT, SURE = range(5)
 """Columns of a vote: where [m], how much they count, and how much for being tracked."""
 
@@ -70,14 +70,14 @@ def _yaws(
     nodes: Nodes, roots: Leaves, vote: Floats, image: Image, pixel: Pixels, point: Points, owner: Owners, count: int,
     share: Array, fx: np.float32, persons: Floats, out: Array,
 ) -> None:  # fmt: skip
-    extra, at = np.zeros(1 + EXTRAS, np.int32), np.empty(len(roots), np.int32)
+    extra, at = np.zeros(1 + EXTRA_FEATURES, np.int32), np.empty(len(roots), np.int32)
     for i in range(count):
         k = owner[i]
         if k < 0 or _rank(pixel[i, 0], pixel[i, 1]) >= share[k]:
             continue
-        extras(point[i], persons[k], extra)
+        write_extra_features(point[i], persons[k], extra)
         put(at, roots)
-        descend(nodes, image, pixel[i, 0], pixel[i, 1], fx * persons[k, 3] / point[i, 2], extra, at)
+        find_leaves(nodes, image, pixel[i, 0], pixel[i, 1], fx * persons[k, 3] / point[i, 2], extra, at)
         for node in at:
             leaf = int(nodes[node, LEAF])
             sure = vote[leaf, 0] ** 2 + vote[leaf, 1] ** 2
@@ -86,7 +86,7 @@ def _yaws(
             out[k, 2] += 1.0
 
 
-def yaw_votes(scene: Foreground, model: Unpacked, shares: Array, fx: float, persons: Array) -> Array:
+def yaw_votes(scene: Foreground, model: RuntimeModel, shares: Array, fx: float, persons: Array) -> Array:
     """How the persons stand, each frame for itself.
 
     Args:
@@ -113,7 +113,7 @@ def _cast_votes(
     share: Array, fx: np.float32, persons: Floats, cast: Floats, many: IntArray, first: Array,
 ) -> None:  # fmt: skip
     """Write every joint's votes (``cast``, ``many``), and add up the sure ones' places and weights (``first``)."""
-    extra, at = np.zeros(1 + EXTRAS, np.int32), np.empty(len(roots), np.int32)
+    extra, at = np.zeros(1 + EXTRA_FEATURES, np.int32), np.empty(len(roots), np.int32)
     for i in range(count):
         k = owner[i]
         if k < 0:
@@ -128,11 +128,11 @@ def _cast_votes(
             if rank >= part:
                 continue
         reach = fx * scale / z
-        extras(point[i], persons[k], extra)
+        write_extra_features(point[i], persons[k], extra)
         put(at, roots)
-        descend(nodes, image, pixel[i, 0], pixel[i, 1], reach, extra, at)
+        find_leaves(nodes, image, pixel[i, 0], pixel[i, 1], reach, extra, at)
         surface = np.float32(1.0 / part) / (reach * reach)
-        size = np.float32(MILLI) * scale
+        size = np.float32(OFFSET_UNIT_M) * scale
         cos, sin = persons[k, 4] * size, persons[k, 5] * size
         for node in at:
             leaf = np.uint32(nodes[np.uint32(node), LEAF])
@@ -142,7 +142,7 @@ def _cast_votes(
                     break
                 row = np.uint32(k * len(JOINTS) + votes[leaf, q, 6])
                 n = np.uint32(many[row])
-                if n == MOST:
+                if n == MAX_VOTES:
                     continue
                 many[row] = n + 1
                 ahead, up, left = votes[leaf, q, 0], votes[leaf, q, 1], votes[leaf, q, 2]
@@ -189,7 +189,7 @@ def _shift(votes: Floats, n: int, joint: Array, scale: float, first: int, pull: 
 
 
 @njit(cache=True, error_model="numpy")
-def _agree(
+def _find_modes(
     cast: Floats, many: IntArray, first: Array, persons: Floats, prior: Array, joints: Array, support: Array,
     agree: Array,
 ) -> None:  # fmt: skip
@@ -198,7 +198,7 @@ def _agree(
     That of an arm begins at the prediction, too, and stays there unless much more speaks for the other place: a hand
     shows few pixels, and one of another limb's that takes itself for it is soon the only one.
     """
-    pull, there, votes = np.zeros(6), np.zeros(6), np.empty((5, MOST), np.float32)
+    pull, there, votes = np.zeros(6), np.zeros(6), np.empty((5, MAX_VOTES), np.float32)
     here = np.zeros(3)
     for row in range(len(many)):
         k, j = row // len(JOINTS), row % len(JOINTS)
@@ -219,14 +219,14 @@ def _agree(
         if _ARM[j] and not math.isnan(here[0]):
             put(there, pull)
             _shift(votes, many[row], here, persons[k, 3], 1, pull)
-            if there[5] >= LEAST_VOTES and there[4] > pull[4] * (STAY if pull[5] >= LEAST_VOTES else 0.0):
+            if there[5] >= MIN_VOTES and there[4] > pull[4] * (STAY if pull[5] >= MIN_VOTES else 0.0):
                 put(pull, there)
             else:
                 put(joint, here)
         support[k, j], agree[k, j] = pull[4], pull[5]
 
 
-class Votes:
+class JointVoter:
     """Room for the votes of one frame, and the model they come from.
 
     Args:
@@ -234,11 +234,11 @@ class Votes:
         most: how many persons there is room for.
     """
 
-    def __init__(self, model: Unpacked, most: int) -> None:
+    def __init__(self, model: RuntimeModel, most: int) -> None:
         self._model = model
-        self._cast = np.empty((most * len(JOINTS), MOST, 5), np.float32)
+        self._cast = np.empty((most * len(JOINTS), MAX_VOTES, 5), np.float32)
 
-    def joints(
+    def find_joints(
         self, scene: Foreground, shares: Array, fx: float, persons: Array, prior: Array
     ) -> tuple[Array, Array, Array]:
         """Find the joints of all persons.
@@ -262,5 +262,5 @@ class Votes:
             np.float32(fx), rough, self._cast, many, first,
         )  # fmt: skip
         joints, support, agree = np.empty(prior.shape), np.zeros(prior.shape[:2]), np.zeros(prior.shape[:2])
-        _agree(self._cast, many, first, rough, prior, joints, support, agree)
+        _find_modes(self._cast, many, first, rough, prior, joints, support, agree)
         return joints, support, agree

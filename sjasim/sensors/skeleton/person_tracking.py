@@ -17,7 +17,7 @@ from ...assets.names import JOINT_INDEX, JOINTS
 from ...core import INFERRED, NOT_TRACKED, TRACKED, Array
 from ...core.memory import put
 from . import joint_filter, posture_prior, surface_tracking
-from .trained_model import Unpacked
+from .trained_model import RuntimeModel
 
 CONFIRM_FRAMES = 3
 """Frames in which somebody must have been seen before there is a person."""
@@ -50,7 +50,7 @@ TOUCH_M, CLASP_S = 0.16, 0.4
 """Hands that were seen closer than this hide each other, and are known for so long all the same (assumed)."""
 ASIDE_M = 0.17
 """Hands do not meet so far beside the trunk's middle: what looks like both is the hand of that side (assumed)."""
-MEET_M, CLOSING = 0.22, 0.7
+MEET_M, CLOSING_RATIO = 0.22, 0.7
 """Tracked hands so near are about to touch; of what lies between them so much is left a frame later (assumed)."""
 HOLD_S, WEAK_S, HOLD_M = 0.08, 0.15, 0.15
 """A joint that was tracked is for so long without a vote, and for so long with too few, while it is found this near to
@@ -64,7 +64,7 @@ STATURE_M = (1.35, 2.10)
 RISE_S, SINK_S, HIDDEN_SHARE = 0.3, 4.0, 0.93
 """How fast a larger and a smaller crown is believed; a crown below this share of it is a hidden one (assumed)."""
 
-HANDS = np.array([[JOINT_INDEX[f"{name}{side}"] for side in ("Left", "Right")]
+HAND_JOINTS = np.array([[JOINT_INDEX[f"{name}{side}"] for side in ("Left", "Right")]
                   for name in ("Wrist", "Hand", "HandTip", "Thumb")])  # fmt: skip
 """(4, 2) wrists, hands, tips and thumbs, left and right."""
 ELBOWS = np.array([JOINT_INDEX["ElbowLeft"], JOINT_INDEX["ElbowRight"]])
@@ -74,70 +74,77 @@ a forearm's length, and twice that of half a hand (assumed)."""
 _BASE, _MID = JOINT_INDEX["SpineBase"], JOINT_INDEX["SpineMid"]
 
 
-def blend(interval_s: float, constant_s: float) -> float:
+def filter_gain(interval_s: float, constant_s: float) -> float:
     """Share of the way to go in an interval."""
     return 1.0 - math.exp(-interval_s / constant_s)
 
 
 @njit(cache=True)
-def near(one: Array, other: Array, limit_m: float) -> bool:
+def closer_than(one: Array, other: Array, limit_m: float) -> bool:
     """Whether two points (3,) are closer than a limit; not so where either is unknown."""
     x, y, z = one[0] - other[0], one[1] - other[1], one[2] - other[2]
     return bool(x * x + y * y + z * z < limit_m * limit_m)
 
 
 @njit(cache=True)
-def _reach(joints: Array, before: Array, scale: float, unseen_s: Array, seen: posture_prior.Seen) -> None:
+def _reach(joints: Array, before: Array, scale: float, unseen_s: Array, seen: posture_prior.JointMask) -> None:
     """See no wrist and no hand beyond a forearm's reach, and no hand held where its wrist is not, or the reverse."""
     for side in range(2):
-        wrist, fist, elbow = HANDS[0, side], HANDS[1, side], ELBOWS[side]
+        wrist, fist, elbow = HAND_JOINTS[0, side], HAND_JOINTS[1, side], ELBOWS[side]
         place = joints[elbow] if seen[elbow] else before[elbow]
         for j, limit_m in ((wrist, FOREARM_M[0]), (fist, FOREARM_M[1])):
-            if seen[j] and not math.isnan(place[0]) and not near(joints[j], place, limit_m * scale):
+            if seen[j] and not math.isnan(place[0]) and not closer_than(joints[j], place, limit_m * scale):
                 seen[j] = False
         held = wrist if unseen_s[wrist] > unseen_s[fist] else fist
         if (
             seen[wrist]
             and seen[fist]
             and unseen_s[held] > 0.0
-            and not near(joints[wrist], joints[fist], LINK_M * scale)
+            and not closer_than(joints[wrist], joints[fist], LINK_M * scale)
         ):
             seen[held] = False
 
 
 @njit(cache=True)
 def _hold(
-    joints: Array, before: Array, state: NDArray[np.int8], weak: posture_prior.Seen, yaw_rad: float, scale: float,
-    interval_s: float, unseen_s: Array, seen: posture_prior.Seen,
+    joints: Array, before: Array, state: NDArray[np.int8], weak: posture_prior.JointMask, yaw_rad: float, scale: float,
+    interval_s: float, unseen_s: Array, seen: posture_prior.JointMask,
 ) -> None:  # fmt: skip
     """See `Person.hold`; ``before`` are the joints as predicted."""
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
     limit_s, twin = np.full(len(seen), HOLD_S), np.full(len(seen), -1)
-    for left, right in HANDS:
+    for left, right in HAND_JOINTS:
         known = state[left] == state[right] == TRACKED
         middle = 0.5 * (joints[left] + joints[right]) - before[_MID]
         aside = sin * middle[2] - cos * middle[0]
-        if abs(aside) > ASIDE_M and near(joints[left], joints[right], TOUCH_M):
+        if abs(aside) > ASIDE_M and closer_than(joints[left], joints[right], TOUCH_M):
             seen[right if aside > 0.0 else left] = weak[right if aside > 0.0 else left] = False
-        elif near(joints[left], joints[right], TOUCH_M) or (known and near(before[left], before[right], MEET_M)):
+        elif closer_than(joints[left], joints[right], TOUCH_M) or (
+            known and closer_than(before[left], before[right], MEET_M)
+        ):
             limit_s[left] = limit_s[right] = CLASP_S
             twin[left], twin[right] = right, left
     for j in range(len(seen)):
-        if seen[j] and unseen_s[j] < LEAP_S and state[j] != NOT_TRACKED and not near(joints[j], before[j], LEAP_M):
+        if (
+            seen[j]
+            and unseen_s[j] < LEAP_S
+            and state[j] != NOT_TRACKED
+            and not closer_than(joints[j], before[j], LEAP_M)
+        ):
             seen[j] = False
         unseen_s[j] = 0.0 if seen[j] else unseen_s[j] + interval_s
     for j in range(len(seen)):
         if seen[j] or state[j] != TRACKED or unseen_s[j] >= max(limit_s[j], WEAK_S * weak[j]):
             continue
-        if near(joints[j], before[j], HOLD_M):
+        if closer_than(joints[j], before[j], HOLD_M):
             seen[j] = True
         elif twin[j] >= 0 and unseen_s[twin[j]] == 0.0:
-            put(joints[j], joints[twin[j]] + CLOSING * (before[j] - before[twin[j]]))
+            put(joints[j], joints[twin[j]] + CLOSING_RATIO * (before[j] - before[twin[j]]))
             seen[j] = True
     _reach(joints, before, scale, unseen_s, seen)
 
 
-def wrapped(angle_rad: float) -> float:
+def wrap_angle(angle_rad: float) -> float:
     """The same angle from -pi to pi."""
     return math.remainder(angle_rad, math.tau)
 
@@ -181,7 +188,7 @@ class Person:
     state: NDArray[np.int8] = field(default_factory=lambda: np.zeros(len(JOINTS), np.int8))
     carry: Array = field(default_factory=lambda: np.zeros((len(JOINTS), 3)))
     unseen_s: Array = field(default_factory=lambda: np.zeros(len(JOINTS)))
-    patches: Array = field(default_factory=surface_tracking.nothing_known)
+    patches: Array = field(default_factory=surface_tracking.initial_patches)
     shown: NDArray[np.int8] = field(default_factory=lambda: np.zeros(len(JOINTS), np.int8))
 
     @property
@@ -196,26 +203,26 @@ class Person:
         self.joints[:, 0] += step[0]
         self.joints[:, 2] += step[1]
 
-    def grow(self, crown_m: float, width_m: float, interval_s: float) -> None:
+    def update_size(self, crown_m: float, width_m: float, interval_s: float) -> None:
         """Take in how tall and how wide the person looks."""
         seen = min(max(crown_m / CROWN, STATURE_M[0]), STATURE_M[1]) / 1.75
         if self.scale == 0.0:
             self.scale, self.width = seen, width_m / seen
             return
         if seen > self.scale:
-            self.scale += blend(interval_s, RISE_S) * (seen - self.scale)
+            self.scale += filter_gain(interval_s, RISE_S) * (seen - self.scale)
         elif seen > HIDDEN_SHARE * self.scale:
-            self.scale += blend(interval_s, SINK_S) * (seen - self.scale)
+            self.scale += filter_gain(interval_s, SINK_S) * (seen - self.scale)
 
-    def steady(self, middle: Array, interval_s: float) -> Array:
+    def smooth_surface(self, middle: Array, interval_s: float) -> Array:
         """Where the forests are told that the trunk's surface (2,) is: a middle that shook would shake every joint."""
         off = middle - self.place
         if math.isnan(self.surface[0]):
             self.surface = off
-        self.surface = self.surface + blend(interval_s, SURFACE_S) * (off - self.surface)
+        self.surface = self.surface + filter_gain(interval_s, SURFACE_S) * (off - self.surface)
         return np.asarray(self.place + self.surface)
 
-    def turn(self, votes: Array, interval_s: float) -> None:
+    def update_yaw(self, votes: Array, interval_s: float) -> None:
         """Take in what the forest says of the yaw: sums of cosine and sine."""
         if votes[0] == votes[1] == 0.0:
             self.yaw_rad = 0.0 if math.isnan(self.yaw_rad) else self.yaw_rad
@@ -224,19 +231,21 @@ class Person:
         if math.isnan(self.yaw_rad):
             self.yaw_rad = said
         else:
-            off = wrapped(said - self.yaw_rad)
+            off = wrap_angle(said - self.yaw_rad)
             constant_s = YAW_ASTRAY_S if abs(off) > YAW_ASTRAY_RAD else YAW_S
-            self.yaw_rad = wrapped(self.yaw_rad + blend(interval_s, constant_s) * off)
+            self.yaw_rad = wrap_angle(self.yaw_rad + filter_gain(interval_s, constant_s) * off)
 
-    def lose(self, interval_s: float) -> None:
+    def coast(self, interval_s: float) -> None:
         """Out of sight: coast, and after a while admit it."""
         self.missing_s += interval_s
-        self.velocity = self.velocity * (1.0 - blend(interval_s, COAST_S))
+        self.velocity = self.velocity * (1.0 - filter_gain(interval_s, COAST_S))
         self.carry[:] = 0.0
         state = INFERRED if self.missing_s <= INFER_S else NOT_TRACKED
         self.state = np.where(np.isnan(self.joints[:, 0]), NOT_TRACKED, state).astype(np.int8)
 
-    def hold(self, joints: Array, seen: posture_prior.Seen, weak: posture_prior.Seen, interval_s: float) -> None:
+    def bridge_dropouts(
+        self, joints: Array, seen: posture_prior.JointMask, weak: posture_prior.JointMask, interval_s: float
+    ) -> None:
         """Count joints as seen that lack support for a moment only, and hands that touch for longer; none that leaps.
 
         Hands that touch hide each other's surface, and neither goes far: one that is not found is beside the other.
@@ -251,8 +260,13 @@ class Person:
         """
         _hold(joints, self.joints, self.state, weak, self.yaw_rad, self.scale, interval_s, self.unseen_s, seen)
 
-    def see(
-        self, joints: Array, seen: posture_prior.Seen, model: Unpacked, interval_s: float, believed: Array | None = None
+    def update(
+        self,
+        joints: Array,
+        seen: posture_prior.JointMask,
+        model: RuntimeModel,
+        interval_s: float,
+        believed: Array | None = None,
     ) -> None:
         """Take in a frame's joints.
 
@@ -261,22 +275,24 @@ class Person:
             seen: (25,) which of them are supported.
             model: its regression and memory of postures count.
             interval_s: since the last frame.
-            believed: (N, 2) how far each remembered posture counts for the hands, see `freespace.believed`.
+            believed: (N, 2) how far each remembered posture counts for the hands, see `free_space.posture_likelihood`.
         """
         before_rad = self.facing_rad
-        self._face(posture_prior.heading(joints, seen), interval_s)
+        self._face(posture_prior.estimate_yaw(joints, seen), interval_s)
         self._spin(before_rad, interval_s)
         likely = np.empty_like(joints)
         known = model.posture, model.memory, model.mean
         counts = np.ones((len(model.memory), 2)) if believed is None else believed
-        if not posture_prior.likely(joints, seen, *known, self.yaw_rad, self.scale, self.width, counts, likely):
-            self.lose(interval_s)
+        if not posture_prior.estimate_posture(
+            joints, seen, *known, self.yaw_rad, self.scale, self.width, counts, likely
+        ):
+            self.coast(interval_s)
             return
         mine = self.joints, self.state, self.carry
-        joint_filter.follow(joints, seen, likely, self.yaw_rad, self.spin, interval_s, *mine)
+        joint_filter.filter_joints(joints, seen, likely, self.yaw_rad, self.spin, interval_s, *mine)
         self._go(interval_s)
 
-    def anchor(self, cells: Array, predicted: Array, voted: Array, least: float, interval_s: float) -> None:
+    def correct_depth(self, cells: Array, predicted: Array, voted: Array, least: float, interval_s: float) -> None:
         """Correct the frame's joints by the trunk's surface.
 
         Args:
@@ -289,33 +305,35 @@ class Person:
         learn_s = LEARN_S / (1.0 + (self.spin / LEARN_SPIN_RAD_S) ** 2)
         frontal = (abs(math.cos(self.yaw_rad)) - FRONTAL[0]) / (FRONTAL[1] - FRONTAL[0])
         counts = min(max(frontal, 0.0), 1.0)
-        shares = np.array([blend(interval_s, ANCHOR_S), blend(interval_s, learn_s), counts])
-        surface_tracking.anchor(cells, self.patches, predicted, voted, least, shares, interval_s, self.joints)
+        shares = np.array([filter_gain(interval_s, ANCHOR_S), filter_gain(interval_s, learn_s), counts])
+        surface_tracking.correct_depth_from_surface(
+            cells, self.patches, predicted, voted, least, shares, interval_s, self.joints
+        )
 
     def _face(self, yaw_rad: float, interval_s: float) -> None:
         """Believe the skeleton's own heading, unless it contradicts the tracked one."""
-        off = wrapped(yaw_rad - self.yaw_rad) if not math.isnan(yaw_rad) else math.inf
+        off = wrap_angle(yaw_rad - self.yaw_rad) if not math.isnan(yaw_rad) else math.inf
         if abs(off) < OWN_YAW_RAD:
-            self.yaw_rad = wrapped(self.yaw_rad + blend(interval_s, OWN_YAW_S) * off)
+            self.yaw_rad = wrap_angle(self.yaw_rad + filter_gain(interval_s, OWN_YAW_S) * off)
 
     def _spin(self, before_rad: float, interval_s: float) -> None:
         self.facing_rad = self.yaw_rad
         if interval_s > 0.0 and not math.isnan(before_rad):
-            rate = wrapped(self.yaw_rad - before_rad) / interval_s
-            self.spin += blend(interval_s, SPIN_S) * (rate - self.spin)
+            rate = wrap_angle(self.yaw_rad - before_rad) / interval_s
+            self.spin += filter_gain(interval_s, SPIN_S) * (rate - self.spin)
 
     def _go(self, interval_s: float) -> None:
         place = 0.5 * (self.joints[_BASE, ::2] + self.joints[_MID, ::2])
         if self.frames and interval_s > 0.0:
             step = (place - self.place) / interval_s
             steadier = 1.0 + joint_filter.SIDEWAYS * math.sin(self.yaw_rad) ** 2
-            self.velocity = self.velocity + blend(interval_s, SPEED_S * steadier) * step
+            self.velocity = self.velocity + filter_gain(interval_s, SPEED_S * steadier) * step
         self.place = place
         self.frames += 1
         self.missing_s = 0.0
 
 
-def without_doubles(persons: list[Person]) -> list[Person]:
+def remove_duplicates(persons: list[Person]) -> list[Person]:
     """Those who remain where two stand in one place: the ones seen longer."""
     kept: list[Person] = []
     for person in sorted(persons, key=lambda one: -one.frames):
@@ -325,7 +343,7 @@ def without_doubles(persons: list[Person]) -> list[Person]:
     return [person for person in persons if any(person is one for one in kept)]
 
 
-def found_again(places: list[tuple[float, float]], persons: list[Person]) -> list[tuple[float, float]]:
+def recover_lost(places: list[tuple[float, float]], persons: list[Person]) -> list[tuple[float, float]]:
     """Give places where strangers stand to persons out of sight; the places that are left are new persons'."""
     lost = [person for person in persons if person.missing_s > 0.0]
     left = list(places)

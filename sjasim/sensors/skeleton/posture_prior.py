@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...assets.names import JOINT_INDEX, JOINTS
 from ...core import Array
 
-Seen = NDArray[np.bool_]
+JointMask = NDArray[np.bool_]
 TRUNK = np.array(
     [JOINT_INDEX[name] for name in ("SpineBase", "SpineMid", "SpineShoulder", "Neck", "ShoulderLeft", "ShoulderRight",
                                     "HipLeft", "HipRight")]
@@ -25,24 +25,24 @@ TRUNK = np.array(
 """Joints that tell where a person is."""
 _PAIRS = np.array([[JOINT_INDEX[f"{name}Left"], JOINT_INDEX[f"{name}Right"]] for name in ("Shoulder", "Hip")])
 _JOINTS = len(JOINTS)
-FEATURES = 4 * _JOINTS + 4
+FEATURE_COUNT = 4 * _JOINTS + 4
 _LIMBS = np.array([j for j in range(_JOINTS) if j not in TRUNK and j != JOINT_INDEX["Head"]])
 _HAND_OF = np.array(
     [2 if not name.startswith(("Wrist", "Hand", "Thumb")) else int(name.endswith("Right")) for name in JOINTS]
 )  # 0 and 1 for joints of the left and the right hand
-RECALL_M, LEAST_SEEN = 0.08, 6
+KERNEL_WIDTH_M, LEAST_SEEN = 0.08, 6
 """How unlike a remembered posture, the root of all joints' squared distances, still counts beside the most alike one,
 and from how many joints on postures are compared (assumed)."""
 
 
-def towards_body(points: Array, yaw_rad: float) -> Array:
+def body_from_sensor(points: Array, yaw_rad: float) -> Array:
     """Displacements (N, 3) x, height, z as forward, up, left of somebody at a yaw [m]."""
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
     x, up, z = points.T
     return np.stack([-sin * x - cos * z, up, -cos * x + sin * z], axis=1)
 
 
-def from_body(places: Array, yaw_rad: float) -> Array:
+def sensor_from_body(places: Array, yaw_rad: float) -> Array:
     """The inverse of `towards_body`."""
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
     forward, up, left = places.T
@@ -50,7 +50,7 @@ def from_body(places: Array, yaw_rad: float) -> Array:
 
 
 @njit(cache=True)
-def heading(joints: Array, seen: Seen) -> float:
+def estimate_yaw(joints: Array, seen: JointMask) -> float:
     """Yaw relative to facing the sensor, from the lines across shoulders and hips; NaN without a pair that is seen."""
     x = z = 0.0
     for left, right in _PAIRS:
@@ -61,8 +61,8 @@ def heading(joints: Array, seen: Seen) -> float:
 
 
 @njit(cache=True)
-def features(
-    joints: Array, seen: Seen, mean: Array, yaw_rad: float, scale: float, width: float, row: Array, place: Array
+def regression_input(
+    joints: Array, seen: JointMask, mean: Array, yaw_rad: float, scale: float, width: float, row: Array, place: Array
 ) -> bool:
     """Write the input of the regression.
 
@@ -103,14 +103,14 @@ def features(
 
 
 @njit(cache=True)
-def recall(row: Array, seen: Seen, memory: Array, believed: Array, body: Array) -> None:
+def infer_hidden_limbs(row: Array, seen: JointMask, memory: Array, believed: Array, body: Array) -> None:
     """Put the limbs' hidden joints where like postures have them: their mean, weighted by a normal kernel.
 
     Args:
         row: (104,) from `features`.
         seen: (25,) which joints are.
         memory: (N, 75) postures over the scale, less their mean.
-        believed: (N, 2) how far each counts for the left and the right hand, see `freespace.believed`.
+        believed: (N, 2) how far each counts for the left and the right hand, see `free_space.posture_likelihood`.
         body: (75,) the posture, changed in place.
     """
     if seen.all() or seen.sum() < LEAST_SEEN:
@@ -121,7 +121,7 @@ def recall(row: Array, seen: Seen, memory: Array, believed: Array, body: Array) 
             if seen[j]:
                 for c in range(3 * j, 3 * j + 3):
                     unlike[n] += (memory[n, c] - row[c]) ** 2
-    weight = np.exp((unlike.min() - unlike) / (2.0 * RECALL_M * RECALL_M))
+    weight = np.exp((unlike.min() - unlike) / (2.0 * KERNEL_WIDTH_M * KERNEL_WIDTH_M))
     shares = np.empty((3, len(memory)))
     for side in range(3):
         total = 0.0
@@ -139,8 +139,8 @@ def recall(row: Array, seen: Seen, memory: Array, believed: Array, body: Array) 
 
 
 @njit(cache=True)
-def likely(
-    joints: Array, seen: Seen, weights: Array, memory: Array, mean: Array, yaw_rad: float, scale: float, width: float,
+def estimate_posture(
+    joints: Array, seen: JointMask, weights: Array, memory: Array, mean: Array, yaw_rad: float, scale: float, width: float,
     believed: Array, out: Array,
 ) -> bool:  # fmt: skip
     """Write where all joints most likely are, by those that are seen.
@@ -160,14 +160,14 @@ def likely(
     Returns:
         whether anything is known.
     """
-    row, place, body = np.empty(FEATURES), np.empty(2), np.zeros(3 * _JOINTS)
-    if not features(joints, seen, mean, yaw_rad, scale, width, row, place):
+    row, place, body = np.empty(FEATURE_COUNT), np.empty(2), np.zeros(3 * _JOINTS)
+    if not regression_input(joints, seen, mean, yaw_rad, scale, width, row, place):
         return False
-    for k in range(FEATURES):
+    for k in range(FEATURE_COUNT):
         if row[k] != 0.0:
             for c in range(3 * _JOINTS):
                 body[c] += row[k] * weights[k, c]
-    recall(row, seen, memory, believed, body)
+    infer_hidden_limbs(row, seen, memory, believed, body)
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
     for j in range(_JOINTS):
         forward, up = scale * (body[3 * j] + mean[j, 0]), scale * (body[3 * j + 1] + mean[j, 1])

@@ -23,7 +23,7 @@ Owners = NDArray[np.int8]
 
 FLOOR_M = 0.04
 """Lower points are floor: some five standard deviations of the floor's noise at 4 m (assumed)."""
-FAR_MM = 8000
+MAX_DEPTH_MM = 8000
 """Depth that the image is given where there is none, and at most."""
 REACH_M = 0.85
 """Nothing of a person is farther from the trunk over the floor: an arm's length (assumed)."""
@@ -35,7 +35,7 @@ OBJECT_M = 0.30
 """A low object's points are within this distance of its middle (assumed)."""
 CROWN_M2 = 0.002
 """The crown's height is that above which a person shows so much surface: the same of a head from any side (assumed)."""
-NOBODY, OBJECT = -1, -2
+UNASSIGNED, LOW_OBJECT = -1, -2
 """Owners that are no person: nothing known, and a low object such as a robot."""
 
 _CELL_M, _X_M, _Z_M = 0.06, (-3.5, 3.5), (0.4, 4.6)
@@ -64,11 +64,11 @@ class Foreground:
     count: int = 0
 
     @classmethod
-    def room(cls, intrinsics: Intrinsics) -> Foreground:
+    def allocate(cls, intrinsics: Intrinsics) -> Foreground:
         """Empty arrays for images of this size."""
         shape, size = (intrinsics.height + 2, intrinsics.width + 2), intrinsics.height * intrinsics.width
         pixel, point = np.zeros((size, 2), np.int32), np.zeros((size, 3), np.float32)
-        return cls(np.full(shape, FAR_MM, np.int16), pixel, point, np.zeros(size, np.int8))
+        return cls(np.full(shape, MAX_DEPTH_MM, np.int16), pixel, point, np.zeros(size, np.int8))
 
 
 @njit(cache=True, error_model="numpy")
@@ -82,10 +82,10 @@ def _lift(
         slope = (middle_v - v) / fy
         for u in range(width):
             if depth[v, u] == 0:
-                image[v + 1, u + 1] = FAR_MM
+                image[v + 1, u + 1] = MAX_DEPTH_MM
                 continue
             z = np.float32(depth[v, u]) * np.float32(0.001)
-            image[v + 1, u + 1] = min(depth[v, u], FAR_MM)
+            image[v + 1, u + 1] = min(depth[v, u], MAX_DEPTH_MM)
             above = height_m + slope * z
             if above > FLOOR_M:
                 pixel[n, 0], pixel[n, 1] = v, u
@@ -94,7 +94,7 @@ def _lift(
     return n
 
 
-def lift(depth_mm: NDArray[np.uint16], intrinsics: Intrinsics, height_m: float, out: Foreground) -> None:
+def extract_foreground(depth_mm: NDArray[np.uint16], intrinsics: Intrinsics, height_m: float, out: Foreground) -> None:
     """Take everything above the floor out of a depth image.
 
     Args:
@@ -121,7 +121,7 @@ def _share(count: int, point: Points, places: Array, joints: Array, low: Array, 
     for i in range(count):
         short = point[i, 1] < LOW_M
         reach = LOW_REACH_M if short else REACH_M
-        best, who, rival = reach * reach, NOBODY, False
+        best, who, rival = reach * reach, UNASSIGNED, False
         for k in range(len(places)):
             x, z = point[i, 0] - places[k, 0], point[i, 2] - places[k, 1]
             square = x * x + z * z
@@ -132,11 +132,11 @@ def _share(count: int, point: Points, places: Array, joints: Array, low: Array, 
         if short and not math.isnan(low[0]):
             x, z = point[i, 0] - low[0], point[i, 2] - low[1]
             if x * x + z * z < min(best, OBJECT_M * OBJECT_M):
-                owner[i] = OBJECT
+                owner[i] = LOW_OBJECT
                 continue
         if rival or (who >= 0 and best > LONELY_M * LONELY_M):
             nearest = np.inf if rival else STRANGE_M * STRANGE_M
-            who = NOBODY
+            who = UNASSIGNED
             for k in range(len(places)):
                 x, z = point[i, 0] - places[k, 0], point[i, 2] - places[k, 1]
                 if x * x + z * z < reach * reach:
@@ -146,7 +146,7 @@ def _share(count: int, point: Points, places: Array, joints: Array, low: Array, 
         owner[i] = who
 
 
-def share(scene: Foreground, places: Array, joints: Array, low: Array) -> None:
+def assign_owners(scene: Foreground, places: Array, joints: Array, low: Array) -> None:
     """Give every point to a person, to the low object, or to nobody.
 
     A point within reach of one person is that person's. Where several could have it the nearest of their joints
@@ -212,7 +212,7 @@ def _measure(
         out[k, 4] = (_quantile(chest[k], 0.9) - _quantile(chest[k], 0.1)) * _BIN_M
 
 
-def measured(scene: Foreground, places: Array, scales: Array, per_pixel: float) -> Array:
+def measure_persons(scene: Foreground, places: Array, scales: Array, per_pixel: float) -> Array:
     """What the pixels of each person say as a whole.
 
     Args:
@@ -234,7 +234,7 @@ def measured(scene: Foreground, places: Array, scales: Array, per_pixel: float) 
 def _plan(count: int, point: Points, owner: Owners, per_pixel: float, area: Array, top: Array) -> None:
     """Add up the surface of nobody's points by cells of the floor."""
     for i in range(count):
-        if owner[i] != NOBODY or not _TORSO_M[0] < point[i, 1]:
+        if owner[i] != UNASSIGNED or not _TORSO_M[0] < point[i, 1]:
             continue
         a = int((point[i, 0] - _X_M[0]) / _CELL_M)
         b = int((point[i, 2] - _Z_M[0]) / _CELL_M)
@@ -244,7 +244,9 @@ def _plan(count: int, point: Points, owner: Owners, per_pixel: float, area: Arra
                 area[a, b] += per_pixel * point[i, 2] * point[i, 2]
 
 
-def strangers(scene: Foreground, intrinsics: Intrinsics, area_m2: float, apart_m: float) -> list[tuple[float, float]]:
+def find_new_persons(
+    scene: Foreground, intrinsics: Intrinsics, area_m2: float, apart_m: float
+) -> list[tuple[float, float]]:
     """Places where nobody's points stand as high as a person and show enough surface.
 
     Args:
@@ -286,7 +288,7 @@ def _low(count: int, point: Points, owner: Owners, before: Array, reach_m: float
     """Add up x, z and squared z of what is low and nobody's, near where the object was if that is known; and count."""
     known = not math.isnan(before[0])
     for i in range(count):
-        if owner[i] == OBJECT or (owner[i] == NOBODY and point[i, 1] < LOW_M):
+        if owner[i] == LOW_OBJECT or (owner[i] == UNASSIGNED and point[i, 1] < LOW_M):
             x, z = point[i, 0], point[i, 2]
             if not known or (x - before[0]) ** 2 + (z - before[1]) ** 2 < reach_m * reach_m:
                 sums[0] += x
@@ -295,7 +297,7 @@ def _low(count: int, point: Points, owner: Owners, before: Array, reach_m: float
                 sums[3] += 1.0
 
 
-def low_object(scene: Foreground, before: Array, intrinsics: Intrinsics, area_m2: float) -> Array:
+def locate_low_object(scene: Foreground, before: Array, intrinsics: Intrinsics, area_m2: float) -> Array:
     """Where something low stands that is nobody's leg: a robot, most likely.
 
     Args:

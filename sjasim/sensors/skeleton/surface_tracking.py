@@ -17,7 +17,7 @@ from ...assets.names import JOINT_INDEX
 from ...core import Array
 from .segmentation import Foreground, Owners, Points
 
-ANCHORED = np.array([JOINT_INDEX["SpineBase"]])
+PATCH_JOINTS = np.array([JOINT_INDEX["SpineBase"]])
 """(A,) joints that have a patch: those whose surface moves with them as one."""
 CELLS, CELL_M = 8, 0.03
 """A patch is so many cells wide and high; a cell has this size times the person's scale (assumed)."""
@@ -25,22 +25,22 @@ GATE_M, AGREE_M = 0.06, 0.015
 """A cell's depth farther from what is remembered is something else's, such as an arm's; and so is one farther than the
 second from where most cells say that the surface has come: beside the outline of a hand that passes, a cell's mean
 lies between the hand and the trunk (assumed)."""
-LEAST_M2 = 0.010
+MIN_AGREEING_M2 = 0.010
 """Surface that must agree for a patch to be believed: a sixth of it (assumed)."""
-DROP_S = 0.5
+RELEARN_S = 0.5
 """A cell that has not agreed for so long is learnt anew (assumed)."""
 _SUM, _POINTS = range(2)
 _BEYOND, _STALE_S = range(2)
 
 
-def nothing_known() -> Array:
+def initial_patches() -> Array:
     """What is remembered of somebody new.
 
     Returns:
         (A, C, 2) each cell's depth beyond its joint, NaN while it is not known [m], and since when it has not agreed
         [s].
     """
-    known = np.zeros((len(ANCHORED), CELLS * CELLS, 2))
+    known = np.zeros((len(PATCH_JOINTS), CELLS * CELLS, 2))
     known[:, :, _BEYOND] = np.nan
     return known
 
@@ -64,7 +64,7 @@ def _gather(
                 cell[_POINTS] += 1.0
 
 
-def gathered(scene: Foreground, joints: Array, scales: Array) -> Array:
+def measure_patches(scene: Foreground, joints: Array, scales: Array) -> Array:
     """Depths of the patches' cells in a frame.
 
     Args:
@@ -75,8 +75,8 @@ def gathered(scene: Foreground, joints: Array, scales: Array) -> Array:
     Returns:
         (P, A, C, 2) sum of the depths in each cell [m], and number of its points.
     """
-    out = np.zeros((len(joints), len(ANCHORED), CELLS * CELLS, 2))
-    _gather(scene.count, scene.point, scene.owner, joints, scales, ANCHORED, out)
+    out = np.zeros((len(joints), len(PATCH_JOINTS), CELLS * CELLS, 2))
+    _gather(scene.count, scene.point, scene.owner, joints, scales, PATCH_JOINTS, out)
     return out
 
 
@@ -117,7 +117,7 @@ def _learn(cells: Array, known: Array, depth_m: float, ahead_m: float, share: fl
         if abs(off) < GATE_M:
             known[c, _BEYOND] += share * off
             known[c, _STALE_S] = 0.0
-        elif math.isnan(off) or known[c, _STALE_S] > DROP_S:
+        elif math.isnan(off) or known[c, _STALE_S] > RELEARN_S:
             known[c, _BEYOND] = cells[c, _SUM] / n - depth_m
             known[c, _STALE_S] = 0.0
 
@@ -136,7 +136,7 @@ def _anchor(
         _learn(cells[a], known[a], joints[j, 2], 0.0 if math.isnan(ahead) else ahead, shares[1], interval_s)
 
 
-def anchor(
+def correct_depth_from_surface(
     cells: Array, known: Array, predicted: Array, voted: Array, least: float, shares: Array, interval_s: float,
     joints: Array,
 ) -> None:  # fmt: skip
@@ -153,4 +153,4 @@ def anchor(
         interval_s: since the last frame.
         joints: (25, 3) joints of this frame, changed in place [m].
     """
-    _anchor(cells, known, ANCHORED, predicted, voted, least, shares, interval_s, joints)
+    _anchor(cells, known, PATCH_JOINTS, predicted, voted, least, shares, interval_s, joints)

@@ -20,17 +20,17 @@ from numpy.typing import NDArray
 from ...assets.names import JOINTS
 from ...core import Array
 from ...core.errors import SjasimError
-from .forest import packed
+from .forest import pack_nodes
 
-VERSION = 2
+FORMAT_VERSION = 2
 """Of the file's meaning; a file of another version is refused."""
-MILLI = 0.001
-SPREAD_M = 0.004
+OFFSET_UNIT_M = 0.001
+SPREAD_UNIT_M = 0.004
 """Unit of spreads."""
 
 
 @dataclass(frozen=True, slots=True)
-class Model:
+class SkeletonModel:
     """Arrays of the file, as they are stored.
 
     Lengths are those of a person of 1.75 m. A node's children are rows of the same forest; a negative left child
@@ -100,7 +100,7 @@ class Model:
     def save(self, path: Path) -> None:
         """Write the file; its hash is put into ``info``."""
         arrays = {name: getattr(self, name) for name in _DTYPES}
-        info = json.dumps({**self.about, "version": VERSION, "sha256": self.digest()}, sort_keys=True)
+        info = json.dumps({**self.about, "version": FORMAT_VERSION, "sha256": self.digest()}, sort_keys=True)
         np.savez_compressed(path, info=np.array(info), **arrays)
 
 
@@ -111,10 +111,10 @@ _DTYPES: dict[str, type] = {
     "yaw_roots": np.int16, "yaw_vote": np.int8, "support": np.float32, "posture": np.float16,
     "memory": np.float16, "mean": np.float16,
 }  # fmt: skip
-assert [field.name for field in fields(Model)] == [*_DTYPES, "info"]
+assert [field.name for field in fields(SkeletonModel)] == [*_DTYPES, "info"]
 
 
-def load(path: Path) -> Model:
+def load_model(path: Path) -> SkeletonModel:
     """Read a model.
 
     Raises:
@@ -129,9 +129,9 @@ def load(path: Path) -> Model:
         raise SjasimError(f"skeleton model {path}: cannot be read ({error})") from error
     except Exception as error:  # zipfile and zlib raise their own kinds on a file that is cut off
         raise SjasimError(f"skeleton model {path}: broken ({error})") from error
-    if about.get("version") != VERSION:
-        raise SjasimError(f"skeleton model {path}: version {about.get('version')!r}, not {VERSION}")
-    model = Model(**_typed(path, arrays), info=info)
+    if about.get("version") != FORMAT_VERSION:
+        raise SjasimError(f"skeleton model {path}: version {about.get('version')!r}, not {FORMAT_VERSION}")
+    model = SkeletonModel(**_typed(path, arrays), info=info)
     if model.digest() != about.get("sha256"):
         raise SjasimError(f"skeleton model {path}: its arrays are not those it was written with")
     return model
@@ -147,13 +147,13 @@ def _typed(path: Path, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
 
 
 @cache
-def default() -> Model:
+def default_model() -> SkeletonModel:
     """The model that comes with the package."""
-    return load(Path(str(resources.files("sjasim.assets") / "skeleton.npz")))
+    return load_model(Path(str(resources.files("sjasim.assets") / "skeleton.npz")))
 
 
 @dataclass(frozen=True, slots=True)
-class Unpacked:
+class RuntimeModel:
     """A model in the types that the kernels take.
 
     Attributes:
@@ -182,13 +182,13 @@ class Unpacked:
     mean: Array
 
 
-def unpacked(model: Model) -> Unpacked:
+def runtime_model(model: SkeletonModel) -> RuntimeModel:
     """Prepare a model for use."""
     m = model
-    nodes, roots = packed(m.probes, m.feature, m.threshold, m.left, m.right, m.roots)
-    yaw_nodes, yaw_roots = packed(m.probes, m.yaw_feature, m.yaw_threshold, m.yaw_left, m.yaw_right, m.yaw_roots)
+    nodes, roots = pack_nodes(m.probes, m.feature, m.threshold, m.left, m.right, m.roots)
+    yaw_nodes, yaw_roots = pack_nodes(m.probes, m.yaw_feature, m.yaw_threshold, m.yaw_left, m.yaw_right, m.yaw_roots)
     votes = np.concatenate([m.offset, m.view, m.spread[..., None], m.joint[..., None]], axis=2, dtype=np.int16)
-    return Unpacked(
+    return RuntimeModel(
         nodes, roots, votes, yaw_nodes, yaw_roots, m.yaw_vote.astype(np.float32) / np.float32(127),
         m.support.astype(float), m.posture.astype(float), m.memory.astype(float), m.mean.astype(float),
     )  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sjasim.core import Solids
-from sjasim.sensors.raycast.occlusion import COLUMNS, hide, outlines
+from sjasim.sensors.raycast.occlusion import PROJECTED_COLUMNS, mark_occluded, project_geoms
 
 
 def hidden(
@@ -16,14 +16,14 @@ def hidden(
     left = np.cross([0.0, 0.0, 1.0], away)
     axes = [axis / np.linalg.norm(axis) for axis in (left, np.cross(away, left), away)]
     eye = np.concatenate([*axes, origin])
-    seen = np.empty((len(solids.rows), COLUMNS))
-    outlines(eye, *solids, seen)
+    seen = np.empty((len(solids.rows), PROJECTED_COLUMNS))
+    project_geoms(eye, *solids, seen)
     local = (points - origin) @ np.array(axes).T
     assert (local[:, 2] > 0.0).all()
     visible = np.ones(len(points), dtype=bool)
     for owner in np.unique(whose):
         rows = np.flatnonzero(whose == owner)
         marks = visible[rows]
-        hide(local[rows], owner, flesh_m[rows], solids.rows, solids.shape, seen, marks)
+        mark_occluded(local[rows], owner, flesh_m[rows], solids.rows, solids.shape, seen, marks)
         visible[rows] = marks
     return ~visible

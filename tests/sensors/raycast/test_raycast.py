@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sjasim.core import Solids
-from sjasim.sensors.raycast.occlusion import shapes
+from sjasim.sensors.raycast.occlusion import bounding_shapes
 
 from .reference_rays import hidden
 
@@ -63,7 +63,7 @@ def test_the_same_points_are_hidden_as_by_mujocos_rays(flesh_m):
     rng = np.random.default_rng(1)
     owners = np.array([-1, 0, 0, 1, 1, 2])
     rows = np.column_stack([np.arange(model.ngeom), owners, model.geom_type.astype(np.int64)])
-    solids = Solids(rows, shapes(rows[:, 2], model.geom_size), data.geom_xpos, data.geom_xmat)
+    solids = Solids(rows, bounding_shapes(rows[:, 2], model.geom_size), data.geom_xpos, data.geom_xmat)
     for origin in (np.array([3.0, 0.5, 0.9]), np.array([-2.0, -2.5, 0.2])):
         points = rng.uniform([-1.5, -1.5, -0.9], [1.5, 1.5, 1.5], size=(200, 3))
         whose = rng.integers(0, 3, size=200)

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sjasim.sensors.skeleton.forest import CHILD, CLIP_MM, COLUMNS, EXTRA, EXTRAS, OFFSETS, THRESHOLD, descend
+from sjasim.sensors.skeleton.forest import (
+    CHILD,
+    CLIP_MM,
+    EXTRA,
+    EXTRA_FEATURES,
+    NODE_COLUMNS,
+    OFFSETS,
+    THRESHOLD,
+    find_leaves,
+)
 
 DEPTH = 6
 """Of every tree here."""
@@ -16,12 +25,12 @@ SHAPE = (20, 30)
 def tree(rng: np.random.Generator, root: int) -> NDArray[np.int16]:
     """The nodes of a full tree, the first of which is row ``root`` of its forest."""
     count = 2 ** (DEPTH + 1) - 1
-    node = np.zeros((count, COLUMNS), np.int16)
+    node = np.zeros((count, NODE_COLUMNS), np.int16)
     node[:, OFFSETS : OFFSETS + 4] = rng.integers(-900, 900, (count, 4))
     node[:, THRESHOLD] = rng.integers(-CLIP_MM, CLIP_MM, count)
     node[:, CHILD] = root + 2 * np.arange(count) + 1
     asks = rng.random(count) < 0.2
-    node[asks, EXTRA] = rng.integers(1, 1 + EXTRAS, int(asks.sum()))
+    node[asks, EXTRA] = rng.integers(1, 1 + EXTRA_FEATURES, int(asks.sum()))
     node[asks, OFFSETS : OFFSETS + 4] = 0
     leaf = np.arange(count) >= count // 2
     node[leaf, CHILD] = root + np.flatnonzero(leaf)
@@ -51,13 +60,13 @@ def test_trees_that_descend_together_lead_to_the_leaves_that_each_alone_leads_to
     image[1:-1, 1:-1] = rng.integers(1000, 4000, SHAPE)
     count = 2 ** (DEPTH + 1) - 1
     nodes = np.concatenate([tree(rng, k * count) for k in range(trees)])
-    extra = np.array([0, *rng.integers(-CLIP_MM, CLIP_MM, EXTRAS)], np.int32)
+    extra = np.array([0, *rng.integers(-CLIP_MM, CLIP_MM, EXTRA_FEATURES)], np.int32)
     reach = np.float32(12.0)
     per_mm = int(reach * np.float32(65.536))
     for v in range(SHAPE[0]):
         for u in range(SHAPE[1]):
             at = np.arange(trees, dtype=np.int32) * count
-            descend(nodes, image, v, u, reach, extra, at)
+            find_leaves(nodes, image, v, u, reach, extra, at)
             for k in range(trees):
                 alone = nodes[k * count : (k + 1) * count].copy()
                 alone[:, CHILD] -= k * count

@@ -9,11 +9,11 @@ import pytest
 
 from sjasim.sensors.depth_camera import Intrinsics
 from sjasim.sensors.skeleton import hand_localization, segmentation
-from sjasim.sensors.skeleton.person_tracking import HANDS
+from sjasim.sensors.skeleton.person_tracking import HAND_JOINTS
 from sjasim.sensors.skeleton.segmentation import Foreground
 
-PINHOLE, HEIGHT_M = Intrinsics.of(256, math.radians(70.6), math.radians(60.0)), 0.91
-LEFT, RIGHT = HANDS[1]
+PINHOLE, HEIGHT_M = Intrinsics.from_field_of_view(256, math.radians(70.6), math.radians(60.0)), 0.91
+LEFT, RIGHT = HAND_JOINTS[1]
 TRUNK_M, BALL_M = 3.0, 0.045
 FISTS = np.array([[0.10, 1.2, 2.6], [-0.10, 1.2, 2.6]])
 
@@ -26,8 +26,8 @@ def picture(fists: np.ndarray) -> Foreground:
     for place in fists:
         ball = np.hypot(x * place[2] - place[0], y * place[2] - (place[1] - HEIGHT_M)) < BALL_M
         depth[ball] = place[2] - 0.7 * BALL_M
-    scene = Foreground.room(PINHOLE)
-    segmentation.lift(np.rint(1000 * depth).astype(np.uint16), PINHOLE, HEIGHT_M, scene)
+    scene = Foreground.allocate(PINHOLE)
+    segmentation.extract_foreground(np.rint(1000 * depth).astype(np.uint16), PINHOLE, HEIGHT_M, scene)
     scene.owner[:] = 0
     return scene
 
@@ -37,20 +37,20 @@ def settled(fists: np.ndarray, prior: np.ndarray, found: np.ndarray) -> tuple[np
     scene, seen = picture(fists), np.zeros((1, 25), dtype=bool)
     joints, before = np.full((1, 25, 3), np.nan), np.full((1, 25, 3), np.nan)
     joints[0, [LEFT, RIGHT]], before[0, [LEFT, RIGHT]] = found, prior
-    lens = hand_localization.lens(PINHOLE, HEIGHT_M)
-    hand_localization.settle(scene, lens, np.array([TRUNK_M]), np.ones(1), before, joints, seen)
+    lens = hand_localization.image_projection(PINHOLE, HEIGHT_M)
+    hand_localization.localize_hands(scene, lens, np.array([TRUNK_M]), np.ones(1), before, joints, seen)
     return joints[0, [LEFT, RIGHT]], seen[0, [LEFT, RIGHT]]
 
 
 def test_the_surface_of_a_ball_is_its_disc():
     scene = picture(FISTS)
-    lens = hand_localization.lens(PINHOLE, HEIGHT_M)
-    assert hand_localization.surface_m2(scene.image, lens, FISTS[0], 0.06) == pytest.approx(
+    lens = hand_localization.image_projection(PINHOLE, HEIGHT_M)
+    assert hand_localization.visible_surface_m2(scene.image, lens, FISTS[0], 0.06) == pytest.approx(
         math.pi * BALL_M**2, rel=0.2
     )
-    assert hand_localization.surface_m2(scene.image, lens, FISTS[0] + [0.3, 0.0, 0.0], 0.06) == 0.0
-    assert hand_localization.surface_m2(scene.image, lens, np.array([9.0, 1.0, 2.0]), 0.06) == 0.0
-    assert hand_localization.surface_m2(scene.image, lens, np.full(3, np.nan), 0.06) == 0.0
+    assert hand_localization.visible_surface_m2(scene.image, lens, FISTS[0] + [0.3, 0.0, 0.0], 0.06) == 0.0
+    assert hand_localization.visible_surface_m2(scene.image, lens, np.array([9.0, 1.0, 2.0]), 0.06) == 0.0
+    assert hand_localization.visible_surface_m2(scene.image, lens, np.full(3, np.nan), 0.06) == 0.0
 
 
 def test_a_hand_without_votes_is_seen_where_its_surface_is_and_only_there():

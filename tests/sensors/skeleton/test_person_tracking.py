@@ -10,16 +10,16 @@ import pytest
 from sjasim.assets.names import JOINT_INDEX
 from sjasim.core import INFERRED, NOT_TRACKED, TRACKED
 from sjasim.sensors.skeleton import person_tracking, posture_prior
-from sjasim.sensors.skeleton.person_tracking import Person, found_again, without_doubles
-from sjasim.sensors.skeleton.trained_model import default, unpacked
+from sjasim.sensors.skeleton.person_tracking import Person, recover_lost, remove_duplicates
+from sjasim.sensors.skeleton.trained_model import default_model, runtime_model
 
-MODEL = unpacked(default())
+MODEL = runtime_model(default_model())
 DT_S = 1 / 30
 ALL = np.ones(25, dtype=bool)
 
 
 def standing(x: float, z: float, yaw_rad: float = 0.0) -> np.ndarray:
-    return posture_prior.from_body(MODEL.mean, yaw_rad) + np.array([x, 0.0, z])
+    return posture_prior.sensor_from_body(MODEL.mean, yaw_rad) + np.array([x, 0.0, z])
 
 
 def person(x: float = 0.0, z: float = 3.0, yaw_rad: float = 0.0, frames: int = 5) -> Person:
@@ -31,14 +31,16 @@ def person(x: float = 0.0, z: float = 3.0, yaw_rad: float = 0.0, frames: int = 5
 
 def step(one: Person, joints: np.ndarray, seen: np.ndarray = ALL) -> None:
     one.predict(DT_S)
-    one.see(joints, seen, MODEL, DT_S)
+    one.update(joints, seen, MODEL, DT_S)
 
 
 @pytest.mark.parametrize("yaw_rad", [0.0, 0.8, -1.6, 3.0])
 def test_the_persons_frame_and_back(yaw_rad: float):
     points = np.random.default_rng(0).normal(size=(25, 3))
-    assert posture_prior.from_body(posture_prior.towards_body(points, yaw_rad), yaw_rad) == pytest.approx(points)
-    assert posture_prior.heading(standing(0.3, 3.0, yaw_rad), ALL) == pytest.approx(yaw_rad, abs=0.1)
+    assert posture_prior.sensor_from_body(posture_prior.body_from_sensor(points, yaw_rad), yaw_rad) == pytest.approx(
+        points
+    )
+    assert posture_prior.estimate_yaw(standing(0.3, 3.0, yaw_rad), ALL) == pytest.approx(yaw_rad, abs=0.1)
 
 
 def test_somebody_who_stands_is_tracked_where_seen():
@@ -112,37 +114,37 @@ def test_out_of_sight_one_coasts_is_inferred_then_not_tracked():
     x = float(one.place[0])
     for _ in range(15):
         one.predict(DT_S)
-        one.lose(DT_S)
+        one.coast(DT_S)
     assert one.place[0] == pytest.approx(x + 0.5 * 0.5 * 0.8, abs=0.06)
     assert (one.state == INFERRED).all()
     for _ in range(10):
-        one.lose(DT_S)
+        one.coast(DT_S)
     assert (one.state == NOT_TRACKED).all()
 
 
 def test_a_place_near_somebody_lost_is_theirs_and_others_are_new():
     lost, near = person(0.0, 3.0), (0.3, 3.2)
     lost.missing_s = 0.2
-    assert found_again([near, (2.0, 3.0)], [lost]) == [(2.0, 3.0)]
+    assert recover_lost([near, (2.0, 3.0)], [lost]) == [(2.0, 3.0)]
     assert lost.place == pytest.approx(near)
-    assert found_again([near], [person(0.0, 3.0)]) == [near]
+    assert recover_lost([near], [person(0.0, 3.0)]) == [near]
 
 
 def test_of_two_in_one_place_the_one_seen_longer_stays():
     old, new, other = person(frames=9), person(0.1, 3.0, frames=3), person(1.0, 3.0)
-    assert without_doubles([new, old, other]) == [old, other]
+    assert remove_duplicates([new, old, other]) == [old, other]
 
 
 def test_a_hidden_crown_does_not_shrink_anybody():
     one = Person(0, np.zeros(2))
-    one.grow(1.70, 0.4, DT_S)
+    one.update_size(1.70, 0.4, DT_S)
     tall = one.scale
     assert tall == pytest.approx(1.70 / person_tracking.CROWN / 1.75)
     for _ in range(300):
-        one.grow(1.20, 0.4, DT_S)
+        one.update_size(1.20, 0.4, DT_S)
     assert one.scale == tall
     for _ in range(60):
-        one.grow(1.80, 0.4, DT_S)
+        one.update_size(1.80, 0.4, DT_S)
     assert one.scale == pytest.approx(1.80 / person_tracking.CROWN / 1.75, rel=0.01)
 
 
@@ -150,14 +152,14 @@ def test_the_forest_rights_a_yaw_that_has_gone_astray():
     one = Person(0, np.zeros(2), yaw_rad=0.0)
     votes = np.array([math.cos(3.0), math.sin(3.0), 90.0])
     for _ in range(15):
-        one.turn(votes, DT_S)
-    assert abs(person_tracking.wrapped(one.yaw_rad - 3.0)) < 0.6
-    one.turn(np.zeros(3), DT_S)
+        one.update_yaw(votes, DT_S)
+    assert abs(person_tracking.wrap_angle(one.yaw_rad - 3.0)) < 0.6
+    one.update_yaw(np.zeros(3), DT_S)
     assert not math.isnan(one.yaw_rad)
 
 
 def test_hands_that_touch_stay_known_for_a_while_and_hands_apart_do_not():
-    left, right = person_tracking.HANDS.T
+    left, right = person_tracking.HAND_JOINTS.T
     for gap_m, held in ((0.06, True), (0.40, False)):
         one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
         joints[left] = joints[1] + [0.5 * gap_m, 0.1, -0.3]
@@ -169,7 +171,7 @@ def test_hands_that_touch_stay_known_for_a_while_and_hands_apart_do_not():
         seen[[*left, *right]] = False
         for tick in range(20):
             counted = seen.copy()
-            one.hold(joints, counted, ~ALL, DT_S)
+            one.bridge_dropouts(joints, counted, ~ALL, DT_S)
             step(one, joints, counted)
             known = (tick + 1) * DT_S - 1e-9 < (person_tracking.CLASP_S if held else person_tracking.HOLD_S)
             assert counted[left].all() == counted[right].all() == known
@@ -177,7 +179,7 @@ def test_hands_that_touch_stay_known_for_a_while_and_hands_apart_do_not():
 
 def held(joints: np.ndarray, seen: np.ndarray, one: Person) -> np.ndarray:
     counted = seen.copy()
-    one.hold(joints, counted, np.zeros(25, dtype=bool), DT_S)
+    one.bridge_dropouts(joints, counted, np.zeros(25, dtype=bool), DT_S)
     return counted
 
 
@@ -192,7 +194,7 @@ def test_a_joint_that_leaps_is_not_believed_until_it_stays_there():
 
 @pytest.mark.parametrize("yaw_rad", [0.0, 1.5, -1.5])
 def test_hands_found_together_beside_a_hip_are_the_hand_of_that_side(yaw_rad: float):
-    left, right = person_tracking.HANDS.T
+    left, right = person_tracking.HAND_JOINTS.T
     one, joints = person(yaw_rad=yaw_rad), standing(0.0, 3.0, yaw_rad)
     joints[right] = joints[left] + [0.02, 0.0, 0.0]
     one.joints = joints.copy()
@@ -203,7 +205,7 @@ def test_hands_found_together_beside_a_hip_are_the_hand_of_that_side(yaw_rad: fl
 
 
 def test_a_hand_hidden_as_two_meet_is_beside_the_other():
-    left, right = person_tracking.HANDS.T
+    left, right = person_tracking.HAND_JOINTS.T
     one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
     joints[left] = joints[1] + [0.08, 0.1, -0.3]
     joints[right] = joints[left] - [0.15, 0.0, 0.0]
@@ -214,24 +216,24 @@ def test_a_hand_hidden_as_two_meet_is_beside_the_other():
     seen[right] = False
     counted = held(found, seen, one)
     assert counted[right].all()
-    assert found[left] - found[right] == pytest.approx(person_tracking.CLOSING * (joints[left] - joints[right]))
+    assert found[left] - found[right] == pytest.approx(person_tracking.CLOSING_RATIO * (joints[left] - joints[right]))
 
 
 def test_a_hand_with_too_few_votes_stays_known_for_longer_but_not_elsewhere():
-    left = person_tracking.HANDS[1, 0]
+    left = person_tracking.HAND_JOINTS[1, 0]
     for off_m, held_s in ((0.0, person_tracking.WEAK_S), (0.4, 0.0)):
         one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
         seen[left] = False
         joints[left, 1] += off_m
         for tick in range(20):
             counted = seen.copy()
-            one.hold(joints, counted, ALL, DT_S)
+            one.bridge_dropouts(joints, counted, ALL, DT_S)
             assert counted[left] == ((tick + 1) * DT_S - 1e-9 < held_s)
             step(one, joints, counted)
 
 
 def test_no_hand_is_farther_from_its_elbow_than_a_forearm():
-    wrist, fist = person_tracking.HANDS[:2, 0]
+    wrist, fist = person_tracking.HAND_JOINTS[:2, 0]
     one, joints = person(), standing(0.0, 3.0)
     for off_m, believed in ((0.0, True), (0.4, False)):
         found = joints.copy()
@@ -241,7 +243,7 @@ def test_no_hand_is_farther_from_its_elbow_than_a_forearm():
 
 
 def test_a_hand_held_without_votes_away_from_its_wrist_is_not_seen():
-    wrist, fist = person_tracking.HANDS[:2, 0]
+    wrist, fist = person_tracking.HAND_JOINTS[:2, 0]
     one, joints, seen = person(), standing(0.0, 3.0), ALL.copy()
     elbow = person_tracking.ELBOWS[0]
     joints[wrist], joints[fist] = joints[elbow] + [0.0, -0.25, 0.0], joints[elbow] + [0.0, 0.25, 0.0]

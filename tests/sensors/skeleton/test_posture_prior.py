@@ -7,9 +7,9 @@ import pytest
 
 from sjasim.assets.names import JOINT_INDEX
 from sjasim.sensors.skeleton import posture_prior
-from sjasim.sensors.skeleton.trained_model import default, unpacked
+from sjasim.sensors.skeleton.trained_model import default_model, runtime_model
 
-MODEL = unpacked(default())
+MODEL = runtime_model(default_model())
 ARM = np.array([JOINT_INDEX[name] for name in ("ElbowLeft", "WristLeft", "HandLeft", "HandTipLeft", "ThumbLeft")])
 OTHER_ARM = np.ones(25, dtype=bool)
 OTHER_ARM[ARM] = False
@@ -17,7 +17,7 @@ OTHER_ARM[ARM] = False
 
 def recalled(row: np.ndarray, seen: np.ndarray, memory: np.ndarray) -> np.ndarray:
     body = np.zeros(75)
-    posture_prior.recall(
+    posture_prior.infer_hidden_limbs(
         np.concatenate([row.ravel(), seen, np.zeros(4)]),
         seen,
         memory.reshape(len(memory), 75),
@@ -31,7 +31,7 @@ def test_recall_is_the_kernel_mean_of_like_postures():
     rng = np.random.default_rng(0)
     memory, row = rng.normal(0.0, 0.03, (20, 25, 3)), rng.normal(0.0, 0.03, (25, 3))
     unlike = ((memory - row)[:, OTHER_ARM] ** 2).sum(axis=(1, 2))
-    weight = np.exp(-unlike / (2 * posture_prior.RECALL_M**2))
+    weight = np.exp(-unlike / (2 * posture_prior.KERNEL_WIDTH_M**2))
     expected = (weight[:, None, None] * memory).sum(axis=0) / weight.sum()
     assert recalled(row, OTHER_ARM, memory)[ARM] == pytest.approx(expected[ARM])
 
@@ -54,9 +54,9 @@ def test_a_hidden_arm_is_where_the_dance_has_it_when_the_other_one_claps_or_hang
     worst = []
     for index in range(0, len(MODEL.memory), 10):
         body = MODEL.memory[index].reshape(25, 3) + MODEL.mean
-        joints = posture_prior.from_body(1.1 * body, yaw_rad) + np.array([0.4, 0.0, 3.0])
+        joints = posture_prior.sensor_from_body(1.1 * body, yaw_rad) + np.array([0.4, 0.0, 3.0])
         out, others = np.empty((25, 3)), np.delete(MODEL.memory, index, axis=0)
-        assert posture_prior.likely(
+        assert posture_prior.estimate_posture(
             joints, OTHER_ARM, MODEL.posture, others, MODEL.mean, yaw_rad, 1.1, 0.2, np.ones((len(others), 2)), out
         )  # fmt: skip
         worst.append(np.linalg.norm((out - joints)[ARM], axis=1).max())

@@ -10,9 +10,9 @@ import pytest
 from sjasim.assets.names import JOINTS
 from sjasim.sensors.depth_camera import Intrinsics
 from sjasim.sensors.skeleton import segmentation
-from sjasim.sensors.skeleton.segmentation import NOBODY, OBJECT, Foreground
+from sjasim.sensors.skeleton.segmentation import LOW_OBJECT, UNASSIGNED, Foreground
 
-PINHOLE = Intrinsics.of(256, math.radians(70.6), math.radians(60.0))
+PINHOLE = Intrinsics.from_field_of_view(256, math.radians(70.6), math.radians(60.0))
 HEIGHT_M = 0.91
 NO_LOW = np.full(2, np.nan)
 
@@ -32,8 +32,8 @@ def image(*panels: tuple[float, float, float, float]) -> np.ndarray:
 
 
 def seen(*panels: tuple[float, float, float, float]) -> Foreground:
-    scene = Foreground.room(PINHOLE)
-    segmentation.lift(image(*panels), PINHOLE, HEIGHT_M, scene)
+    scene = Foreground.allocate(PINHOLE)
+    segmentation.extract_foreground(image(*panels), PINHOLE, HEIGHT_M, scene)
     return scene
 
 
@@ -44,7 +44,7 @@ def share(scene: Foreground, places: list[tuple[float, float]], low: np.ndarray 
     joints = np.zeros((len(places), len(JOINTS), 3))
     joints[:, :, 1] = np.linspace(0.1, 1.7, len(JOINTS))
     joints[:, :, [0, 2]] = np.array(places).reshape(-1, 1, 2)
-    segmentation.share(scene, np.array(places).reshape(-1, 2), joints, low)
+    segmentation.assign_owners(scene, np.array(places).reshape(-1, 2), joints, low)
     return scene.owner[: scene.count]
 
 
@@ -78,26 +78,26 @@ def test_a_stranger_near_somebody_is_not_swallowed():
     scene = seen((0.0, 2.5, 0.4, 1.7), (0.5, 3.1, 0.4, 1.7))
     owner = share(scene, [(0.0, 2.6)])
     other = scene.point[: scene.count, 2] > 3.0
-    assert (owner[other] == NOBODY).mean() > 0.9
-    places = segmentation.strangers(scene, PINHOLE, 0.04, 0.5)
+    assert (owner[other] == UNASSIGNED).mean() > 0.9
+    places = segmentation.find_new_persons(scene, PINHOLE, 0.04, 0.5)
     assert len(places) == 1
     assert places[0] == pytest.approx((0.5, 3.1), abs=0.1)
 
 
 def test_a_robot_is_nobody_and_keeps_its_points_beside_a_leg():
     scene = seen((1.0, 3.0, 0.35, 0.42))
-    assert (share(scene, []) == NOBODY).all()
-    assert segmentation.strangers(scene, PINHOLE, 0.04, 0.5) == []
-    low = segmentation.low_object(scene, NO_LOW, PINHOLE, 0.01)
+    assert (share(scene, []) == UNASSIGNED).all()
+    assert segmentation.find_new_persons(scene, PINHOLE, 0.04, 0.5) == []
+    low = segmentation.locate_low_object(scene, NO_LOW, PINHOLE, 0.01)
     assert low == pytest.approx([1.0, 3.0], abs=0.05)
     owner = share(scene, [(0.55, 3.0)], low)
-    assert (owner == OBJECT).mean() > 0.8
+    assert (owner == LOW_OBJECT).mean() > 0.8
 
 
 def test_a_person_is_measured():
     scene = seen((0.2, 3.0, 0.4, 1.7))
     share(scene, [(0.1, 3.1)])
-    count, x, z, crown, width = segmentation.measured(scene, np.array([[0.1, 3.1]]), np.ones(1), PER_PIXEL)[0]
+    count, x, z, crown, width = segmentation.measure_persons(scene, np.array([[0.1, 3.1]]), np.ones(1), PER_PIXEL)[0]
     assert count == scene.count
     assert (x, z) == pytest.approx((0.2, 3.0), abs=0.03)
     assert crown == pytest.approx(1.7, abs=0.04)
@@ -109,13 +109,13 @@ def test_the_crown_is_the_same_whatever_is_seen_of_the_rest():
     for width, height in ((0.2, 1.6), (0.7, 1.6)):
         scene = seen((0.0, 3.0, width, height), (0.0, 2.99, 0.16, 1.7))
         share(scene, [(0.0, 3.0)])
-        heads.append(segmentation.measured(scene, np.array([[0.0, 3.0]]), np.ones(1), PER_PIXEL)[0, 3])
+        heads.append(segmentation.measure_persons(scene, np.array([[0.0, 3.0]]), np.ones(1), PER_PIXEL)[0, 3])
     assert heads[0] == pytest.approx(heads[1], abs=0.005)
 
 
 def test_nobody_in_view_is_no_error():
     scene = seen()
     assert len(share(scene, [(0.0, 3.0)])) == 0
-    assert not segmentation.measured(scene, np.array([[0.0, 3.0]]), np.ones(1), PER_PIXEL).any()
-    assert segmentation.strangers(scene, PINHOLE, 0.04, 0.5) == []
-    assert np.isnan(segmentation.low_object(scene, NO_LOW, PINHOLE, 0.01)).all()
+    assert not segmentation.measure_persons(scene, np.array([[0.0, 3.0]]), np.ones(1), PER_PIXEL).any()
+    assert segmentation.find_new_persons(scene, PINHOLE, 0.04, 0.5) == []
+    assert np.isnan(segmentation.locate_low_object(scene, NO_LOW, PINHOLE, 0.01)).all()

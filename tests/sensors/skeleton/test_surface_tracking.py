@@ -8,9 +8,15 @@ import pytest
 from sjasim.sensors.depth_camera import Intrinsics
 from sjasim.sensors.skeleton import surface_tracking
 from sjasim.sensors.skeleton.segmentation import Foreground
-from sjasim.sensors.skeleton.surface_tracking import ANCHORED, CELLS, anchor, gathered, nothing_known
+from sjasim.sensors.skeleton.surface_tracking import (
+    CELLS,
+    PATCH_JOINTS,
+    correct_depth_from_surface,
+    initial_patches,
+    measure_patches,
+)
 
-BASE = ANCHORED[0]
+BASE = PATCH_JOINTS[0]
 AT_ONCE = np.array([1.0, 0.02, 1.0])
 DT_S, DEPTH_M, FLESH_M = 1 / 30, 3.0, 0.12
 SIDE = np.linspace(-0.119, 0.119, 2 * CELLS)
@@ -20,7 +26,7 @@ def surface(depth_m: float, hidden_below: float = -1.0) -> Foreground:
     """A round belly before SpineBase at x = 0 and 1 m above the floor, as points of person 0; what is left of
     ``hidden_below`` is somebody else's."""
     x, y = (grid.ravel() for grid in np.meshgrid(SIDE, SIDE))
-    scene = Foreground.room(Intrinsics.of(256, 1.2, 1.0))
+    scene = Foreground.allocate(Intrinsics.from_field_of_view(256, 1.2, 1.0))
     scene.count = len(x)
     scene.point[: len(x)] = np.stack([x, 1.0 + y, depth_m - FLESH_M + 2.0 * x**2], axis=1)
     scene.owner[: len(x)] = np.where(x < hidden_below, -1, 0)
@@ -38,20 +44,20 @@ def follow(
 ) -> float:  # fmt: skip
     """SpineBase's depth after a frame in which votes alone would have put it at ``voted_m``."""
     found = joints(voted_m)
-    cells = gathered(scene, joints(predicted_m)[None], np.ones(1))[0]
-    anchor(cells, known, joints(predicted_m), joints(voted_m), 30.0, share, DT_S, found)
+    cells = measure_patches(scene, joints(predicted_m)[None], np.ones(1))[0]
+    correct_depth_from_surface(cells, known, joints(predicted_m), joints(voted_m), 30.0, share, DT_S, found)
     return float(found[BASE, 2])
 
 
 @pytest.fixture
 def known() -> np.ndarray:
-    out = nothing_known()
+    out = initial_patches()
     follow(out, surface(DEPTH_M), DEPTH_M, DEPTH_M)
     return out
 
 
 def test_somebody_new_is_where_votes_say():
-    assert follow(nothing_known(), surface(DEPTH_M), DEPTH_M, DEPTH_M + 0.02) == DEPTH_M + 0.02
+    assert follow(initial_patches(), surface(DEPTH_M), DEPTH_M, DEPTH_M + 0.02) == DEPTH_M + 0.02
 
 
 def test_a_joint_goes_as_far_as_its_surface_whatever_votes_say(known):
@@ -83,7 +89,7 @@ def test_the_outline_of_a_hand_that_passes_moves_nothing(known):
 
 def test_what_stays_before_the_surface_is_learnt_anew(known):
     near = surface(DEPTH_M - surface_tracking.GATE_M - 0.05)
-    for _ in range(round(surface_tracking.DROP_S / DT_S) + 2):
+    for _ in range(round(surface_tracking.RELEARN_S / DT_S) + 2):
         follow(known, near, DEPTH_M, DEPTH_M)
     assert follow(known, near, DEPTH_M - 0.01, DEPTH_M) == pytest.approx(DEPTH_M, abs=1e-3)
 
