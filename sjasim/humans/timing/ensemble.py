@@ -1,17 +1,18 @@
-"""When dancers really move: nominal beats plus the group's common shift plus each dancer's own deviation.
+"""The ensemble timing model: event times of dancers who synchronise with one another by linear phase correction.
 
-The common shift is an AR(1) process over the iteration's events; own deviations follow linear phase correction in
-an ensemble, with timekeeper and motor noise. The robot may be a member of the ensemble, and a badly timed robot may
-disturb people where a well-timed one steadies them.
+An event time is the nominal beat plus a common shift of the group plus the dancer's own deviation plus motor noise.
+The common shift is an AR(1) process over the events of an iteration. Own deviations follow linear phase correction
+with timekeeper noise. The robot may be a member of the ensemble, and a badly timed robot may make people noisier.
 
-Source: vorberg1996, section 3 (phase correction); wing2014, eq. (1) (the ensemble's form). Shortest moves and holds
-are assumed; they keep the order of events.
+Source: vorberg1996, section 3 (phase correction); wing2014, eq. (1) (ensembles). The shortest moves and holds, which
+keep the events in order, are assumed.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -24,34 +25,74 @@ from .human_timing import ObservedRobotEvent
 from .parameters import TimingParameters
 
 MIN_MOVE_S = 0.8
+"""Shortest move forward or backward [s] (assumed)."""
+
 MIN_HOLD_S = 0.15
+"""Shortest standing between two moves [s] (assumed)."""
+
 PREPARATION_S = 0.5
-"""Nobody begins a move sooner after deciding on it: the first step has to be prepared (assumed) [s]."""
-DECIDE_S = 1.3
-"""How long before its first dancer begins a move is decided; bodies show it 1.2 s before [s]."""
-USUAL_APPROPRIATENESS_S = 0.70
+"""Least time from the decision for a move to its begin, in which people prepare the first step [s] (assumed)."""
+
+DECISION_LEAD_S = 1.3
+"""Time from the decision for a move to the begin of its first dancer [s]; bodies show a move 1.2 s before it."""
+
+REFERENCE_APPROPRIATENESS_S = 0.70
 """Mean timing error of the robot at which people are as noisy as their preset says [s]."""
+
 TURN_AFTER_CLAP_S = 0.25
-"""A dancer begins to turn so long after the clap [s] (assumed)."""
+"""Time from a dancer's clap to its turn [s] (assumed)."""
+
+
+@dataclass(slots=True)
+class _Iteration:
+    """Random draws and progress of one iteration; D dancers, E events of the score.
+
+    Attributes:
+        index: index of the iteration.
+        nominal_s: (E,) nominal event times.
+        tempo_error_s: (E,) lateness by which each event follows from a tempo change that was not foreseen.
+        common_s: (E,) common shift of the group.
+        timekeeper_s: (D, E) timekeeper noise.
+        motor_s: (D, E) motor noise.
+        lapses: (D, E) draws of lapses.
+        free_s: (D,) earliest session time of each dancer's next event.
+        skipping: (D,) dancers who leave out the present phrase.
+        deviation_s: (D, E) own deviations of the decided events, without motor noise.
+        times_s: (D, E) decided event times.
+        answered: robot events to which the dancers have corrected already.
+    """
+
+    index: int
+    nominal_s: Array
+    tempo_error_s: Array
+    common_s: Array
+    timekeeper_s: Array
+    motor_s: Array
+    lapses: BoolArray
+    free_s: Array
+    skipping: BoolArray
+    deviation_s: Array
+    times_s: Array
+    answered: set[ObservedRobotEvent] = field(default_factory=set)
 
 
 class EnsembleTiming:
-    """The model of this module.
+    """Implements `HumanTiming` by linear phase correction in an ensemble.
 
-    People whom the robot does not move decide an iteration at once, for nothing that they see meanwhile changes it.
-    Where ``robot_coupling`` is above 0 they decide move by move, `DECIDE_S` before the first of them begins, and
-    correct towards the robot's events that they have seen by then, each counted once. A start that comes out sooner
-    than `PREPARATION_S` after the decision is put off until then.
+    Without ``robot_coupling`` an iteration is decided at once, because nothing that happens meanwhile changes it. With
+    it, dancers decide move by move, `DECISION_LEAD_S` before the first of them begins, and correct towards the robot's
+    events that they have observed by then; each event counts once. A begin that would come sooner than `PREPARATION_S`
+    after the decision is delayed until then.
 
     Args:
-        parameters: of the model.
-        timetable: the dance on the session's clock.
-        dancers: how many.
-        people: random stream of the persons; the same people meet every method.
-        performance: random stream of this take.
+        parameters: parameters of the model.
+        timetable: the dance in session time.
+        dancers: number of dancers.
+        people: generator of the persons; the same persons meet every method.
+        performance: generator of this performance.
 
     Raises:
-        ConfigError: a group of none, or of more than 8; a coupling matrix for another group.
+        ConfigError: the number of dancers is not 1 to `MAX_DANCERS`, or the coupling matrix has another size.
     """
 
     def __init__(
@@ -64,130 +105,201 @@ class EnsembleTiming:
     ) -> None:
         if isinstance(dancers, bool) or not 1 <= dancers <= MAX_DANCERS:
             raise ConfigError("dancers", dancers, f"1 to {MAX_DANCERS} dancers")
-        self._p, self._timetable, self._dancers, self._rng = parameters, timetable, dancers, performance
-        self._transition = parameters.transition(dancers)
-        self._pull = parameters.each("robot_coupling", dancers, 0.0)
-        self._late = parameters.each("late_s", dancers, 0.0)
-        self._drift = parameters.each("drift", dancers, 0.0)
-        self._scale = _lognormal(parameters.group_spread, people)
+
+        self._parameters = parameters
+        self._timetable = timetable
+        self._dancers = dancers
+        self._rng = performance
+
+        self._transition = parameters.transition_matrix(dancers)
+        self._robot_coupling = parameters.per_dancer("robot_coupling", dancers, 0.0)
+        self._late_s = parameters.per_dancer("late_s", dancers, 0.0)
+        self._drift = parameters.per_dancer("drift", dancers, 0.0)
+
+        self._group_scale = _lognormal(parameters.group_spread, people)
         spread = np.array([_lognormal(parameters.dancer_spread, people) for _ in range(dancers)])
-        self._own_scale = spread * parameters.each("scale", dancers, 1.0)
+        self._dancer_scale = spread * parameters.per_dancer("scale", dancers, 1.0)
+
         self._steps = timetable.choreography.steps()
         self._moves = timetable.choreography.moves
-        self._next = len(self._moves)
+        self._next_move = len(self._moves)
 
     def begin(self, iteration: int, appropriateness_s: float | None, not_before_s: Array) -> None:
-        """See `HumanTiming`."""
-        p, rng, table = self._p, self._rng, self._timetable
-        last = USUAL_APPROPRIATENESS_S if appropriateness_s is None else appropriateness_s
-        scale = self._scale * _lognormal(p.iteration_spread, rng)
-        own = np.clip(scale * (np.clip(last, 0.05, 3.0) / USUAL_APPROPRIATENESS_S) ** p.entrainment, 0.1, 5.0)
-        beats = [step.beat for step in self._steps]
-        self._nominal = np.array([table.time_s(iteration, beat) for beat in beats])
-        self._slowed = _slowed(self._nominal, np.array(beats), p.anticipation)
-        self._common = scale * p.common_s * self._common_shift()
-        noise = own * self._own_scale[:, None] * rng.standard_normal((2, self._dancers, len(beats)))
-        self._timekeeper, self._motor = p.timekeeper_s * noise[0], p.motor_s * noise[1]
-        self._lapses: BoolArray = rng.random((self._dancers, len(beats))) < p.lapse
-        self._iteration, self._next = iteration, 0
-        self._free_s = np.array(not_before_s, dtype=np.float64)
-        self._skipping = np.zeros(self._dancers, dtype=bool)
-        self._phase = np.zeros((self._dancers, len(beats)))
-        self._times = np.zeros((self._dancers, len(beats)))
-        self._answered: set[ObservedRobotEvent] = set()
+        """See `HumanTiming.begin`."""
+        rng = self._rng
+        parameters = self._parameters
+        beats = np.array([step.beat for step in self._steps])
+        nominal_s = np.array([self._timetable.time_s(iteration, step.beat) for step in self._steps])
+        shape = (self._dancers, len(beats))
+
+        # The order of the draws is part of the model: another order would give other sessions for the same seed.
+        scale = self._group_scale * _lognormal(parameters.iteration_spread, rng)
+        common_s = scale * parameters.common_s * self._common_shift()
+        own_scale = self._entrained(scale, appropriateness_s) * self._dancer_scale[:, None]
+        noise = own_scale * rng.standard_normal((2, *shape))
+        lapses: BoolArray = rng.random(shape) < parameters.lapse
+
+        self._state = _Iteration(
+            index=iteration,
+            nominal_s=nominal_s,
+            tempo_error_s=_tempo_error(nominal_s, beats, parameters.anticipation),
+            common_s=common_s,
+            timekeeper_s=parameters.timekeeper_s * noise[0],
+            motor_s=parameters.motor_s * noise[1],
+            lapses=lapses,
+            free_s=np.array(not_before_s, dtype=np.float64),
+            skipping=np.zeros(self._dancers, dtype=bool),
+            deviation_s=np.zeros(shape),
+            times_s=np.zeros(shape),
+        )
+        self._next_move = 0
 
     @property
     def next_due_s(self) -> float:
-        """See `HumanTiming`."""
-        if self._next >= len(self._moves):
+        """See `HumanTiming.next_due_s`."""
+        if self._next_move >= len(self._moves):
             return math.inf
-        ordinal = self._timetable.choreography.first_ordinal(self._next)
-        return float(self._actual(ordinal, self._phase_at(ordinal)).min()) - DECIDE_S
+
+        ordinal = self._timetable.choreography.first_ordinal(self._next_move)
+        return float(self._event_times(ordinal, self._deviation(ordinal)).min()) - DECISION_LEAD_S
 
     def decide(self, now_s: float, robot: Sequence[ObservedRobotEvent]) -> tuple[tuple[Cue, ...], ...]:
-        """See `HumanTiming`."""
-        out: list[list[Cue]] = [[] for _ in range(self._dancers)]
-        if self._next >= len(self._moves):
-            return tuple(() for _ in out)
-        late = bool(self._pull.any())
-        pull = self._pull * self._behind(robot) if late else np.zeros(self._dancers)
-        self._free_s = np.maximum(self._free_s, now_s + PREPARATION_S)
-        while self._next < len(self._moves):
-            for dancer, cue in self._move(self._next, pull):
-                out[dancer].append(cue)
-            pull = np.zeros(self._dancers)
-            self._next += 1
-            if late and self._next < len(self._moves) and MOVE_EVENTS[self._moves[self._next].move]:
+        """See `HumanTiming.decide`."""
+        cues: list[list[Cue]] = [[] for _ in range(self._dancers)]
+        if self._next_move >= len(self._moves):
+            return tuple(() for _ in cues)
+
+        move_by_move = bool(self._robot_coupling.any())
+        correction_s = np.zeros(self._dancers)
+        if move_by_move:
+            correction_s = self._robot_coupling * self._lag_behind_robot(robot)
+        self._state.free_s = np.maximum(self._state.free_s, now_s + PREPARATION_S)
+
+        while self._next_move < len(self._moves):
+            for dancer, cue in self._decide_move(self._next_move, correction_s):
+                cues[dancer].append(cue)
+            correction_s = np.zeros(self._dancers)
+            self._next_move += 1
+
+            # A turn has no event of its own, so it is decided together with the clap before it.
+            if move_by_move and self._next_move < len(self._moves) and MOVE_EVENTS[self._moves[self._next_move].move]:
                 break
-        return tuple(tuple(cues) for cues in out)
 
-    def _move(self, index: int, pull: Array) -> list[tuple[int, Cue]]:
-        """Everybody's cue for one move of the score; ``pull`` (D,) is what they give up to the robot [s]."""
-        choreography, item = self._timetable.choreography, self._moves[index]
-        first, parts = choreography.first_ordinal(index), len(MOVE_EVENTS[item.move])
-        for ordinal in range(first, first + parts):
-            self._phase[:, ordinal] = self._phase_at(ordinal) - pull
-            pull = np.zeros(self._dancers)
-            self._happen(ordinal)
-        if item.move is Move.FORWARD:
-            self._skipping = self._lapses[:, first]
-        length = self._timetable.time_s(self._iteration, item.beat + item.beats)
-        length -= self._timetable.time_s(self._iteration, item.beat)
-        cues = []
-        for dancer in range(self._dancers):
-            t_s, duration_s = float(self._times[dancer, first]), 0.0
-            if parts == 2:
-                duration_s = float(self._times[dancer, first + 1]) - t_s
-                left_out = self._skipping[dancer]
-            else:
-                left_out = item.move is not Move.TURN and self._lapses[dancer, first]
-            if item.move is Move.TURN:
-                t_s, duration_s = t_s + TURN_AFTER_CLAP_S, length
-            if not left_out:
-                name = dancer_name(dancer)
-                cues.append((dancer, Cue(name, item.move, self._iteration, first, item.beat, t_s, duration_s)))
-        return cues
+        return tuple(tuple(own) for own in cues)
 
-    def _phase_at(self, ordinal: int) -> Array:
-        """(D,) own deviations at an event, the robot left out [s]."""
-        noise = self._timekeeper[:, ordinal]
+    def _entrained(self, scale: float, appropriateness_s: float | None) -> float:
+        """The noise scale after an iteration with the robot's given timing error, within bounds (assumed)."""
+        error_s = REFERENCE_APPROPRIATENESS_S if appropriateness_s is None else appropriateness_s
+        ratio = np.clip(error_s, 0.05, 3.0) / REFERENCE_APPROPRIATENESS_S
+        return float(np.clip(scale * ratio**self._parameters.entrainment, 0.1, 5.0))
+
+    def _decide_move(self, index: int, correction_s: Array) -> list[tuple[int, Cue]]:
+        """Cues of one move of the score, with the index of their dancer.
+
+        Args:
+            index: index of the move.
+            correction_s: (D,) correction towards the robot at the move's first event.
+        """
+        state = self._state
+        move = self._moves[index].move
+        first = self._timetable.choreography.first_ordinal(index)
+
+        for ordinal in range(first, first + len(MOVE_EVENTS[move])):
+            state.deviation_s[:, ordinal] = self._deviation(ordinal) - correction_s
+            correction_s = np.zeros(self._dancers)
+            self._fix_event(ordinal)
+
+        # Whoever leaves out a move forward leaves out the move backward as well, and so stays on the slot.
+        if move is Move.FORWARD:
+            state.skipping = state.lapses[:, first]
+
+        return [(dancer, self._cue(index, dancer)) for dancer in range(self._dancers) if self._performs(index, dancer)]
+
+    def _performs(self, index: int, dancer: int) -> bool:
+        """Whether a dancer performs a move, that is, has no lapse; everybody performs the turn."""
+        move = self._moves[index].move
+        if move is Move.TURN:
+            return True
+        if move is Move.CLAP:
+            return not self._state.lapses[dancer, self._timetable.choreography.first_ordinal(index)]
+
+        return not self._state.skipping[dancer]
+
+    def _cue(self, index: int, dancer: int) -> Cue:
+        """Cue of a dancer for a move whose events are decided."""
+        state = self._state
+        item = self._moves[index]
+        first = self._timetable.choreography.first_ordinal(index)
+        t_s = float(state.times_s[dancer, first])
+        duration_s = 0.0
+
+        if item.move is Move.TURN:
+            end_s = self._timetable.time_s(state.index, item.beat + item.beats)
+            t_s += TURN_AFTER_CLAP_S
+            duration_s = end_s - self._timetable.time_s(state.index, item.beat)
+        elif item.move is not Move.CLAP:
+            duration_s = float(state.times_s[dancer, first + 1]) - t_s
+
+        return Cue(dancer_name(dancer), item.move, state.index, first, item.beat, t_s, duration_s)
+
+    def _deviation(self, ordinal: int) -> Array:
+        """(D,) own deviations at an event, before any correction towards the robot [s].
+
+        Source: wing2014, eq. (1), in matrix form, with drift and unforeseen tempo changes added.
+        """
+        state = self._state
+        noise = state.timekeeper_s[:, ordinal]
         if ordinal == 0:
             return np.array(noise)
-        passed = float(self._nominal[ordinal] - self._nominal[ordinal - 1])
-        drift = self._drift * passed + self._slowed[ordinal]
-        return np.asarray(self._transition @ self._phase[:, ordinal - 1] + drift + noise)
 
-    def _actual(self, ordinal: int, phase: Array) -> Array:
-        """(D,) session times of an event before the order rule [s]."""
-        when = self._nominal[ordinal] + self._common[ordinal] + phase
-        return np.asarray(when + self._motor[:, ordinal] + self._late)
+        interval_s = float(state.nominal_s[ordinal] - state.nominal_s[ordinal - 1])
+        drift = self._drift * interval_s + state.tempo_error_s[ordinal]
+        return np.asarray(self._transition @ state.deviation_s[:, ordinal - 1] + drift + noise)
 
-    def _happen(self, ordinal: int) -> None:
-        """Fix an event's times: no move and no hold is shorter than people can make it."""
-        self._times[:, ordinal] = np.maximum(self._actual(ordinal, self._phase[:, ordinal]), self._free_s)
-        self._free_s = self._times[:, ordinal] + (MIN_MOVE_S if ordinal % 2 == 0 else MIN_HOLD_S)
+    def _event_times(self, ordinal: int, deviation_s: Array) -> Array:
+        """(D,) session times of an event for given own deviations, before shortest moves and holds are applied [s]."""
+        state = self._state
+        common = state.nominal_s[ordinal] + state.common_s[ordinal] + deviation_s
+        return np.asarray(common + state.motor_s[:, ordinal] + self._late_s)
 
-    def _behind(self, robot: Sequence[ObservedRobotEvent]) -> Array:
-        """(D,) how far each dancer is behind the robot's events that were not answered yet, on average [s]."""
-        done = self._timetable.choreography.first_ordinal(self._next)
-        phase = self._phase.copy()
-        phase[:, done:] = self._phase[:, [max(done - 1, 0)]]
-        expected = self._nominal + self._common + phase
-        gaps = []
-        for seen in robot:
-            kind = Kind.CLAP if seen[0] is Kind.TURN else seen[0]
-            mine = [step.ordinal for step in self._steps if step.kind is kind]
-            if seen in self._answered or not mine:
+    def _fix_event(self, ordinal: int) -> None:
+        """Decide the times of an event, so that no move and no hold is shorter than people can make it."""
+        state = self._state
+        state.times_s[:, ordinal] = np.maximum(self._event_times(ordinal, state.deviation_s[:, ordinal]), state.free_s)
+
+        # Starts and stops alternate, so an even ordinal begins a move and an odd one a hold.
+        state.free_s = state.times_s[:, ordinal] + (MIN_MOVE_S if ordinal % 2 == 0 else MIN_HOLD_S)
+
+    def _lag_behind_robot(self, robot: Sequence[ObservedRobotEvent]) -> Array:
+        """(D,) mean lag of each dancer behind the robot's new events; 0 without a new event [s].
+
+        An event of the robot belongs to the nearest event of its kind in the score.
+        """
+        state = self._state
+        decided = self._timetable.choreography.first_ordinal(self._next_move)
+        deviation = state.deviation_s.copy()
+        # Events that are not decided are expected with the deviation of the last one that is.
+        deviation[:, decided:] = state.deviation_s[:, [max(decided - 1, 0)]]
+        expected = state.nominal_s + state.common_s + deviation
+
+        lags = []
+        for observed in robot:
+            # The robot turns where the dancers clap.
+            kind = Kind.CLAP if observed[0] is Kind.TURN else observed[0]
+            ordinals = [step.ordinal for step in self._steps if step.kind is kind]
+            if observed in state.answered or not ordinals:
                 continue
-            self._answered.add(seen)
-            nearest = min(mine, key=lambda ordinal: abs(float(expected[:, ordinal].mean()) - seen[1]))
-            gaps.append(expected[:, nearest] - seen[1])
-        return np.mean(gaps, axis=0) if gaps else np.zeros(self._dancers)
+            state.answered.add(observed)
+            gaps = [abs(float(expected[:, ordinal].mean()) - observed[1]) for ordinal in ordinals]
+            lags.append(expected[:, ordinals[gaps.index(min(gaps))]] - observed[1])
+
+        return np.mean(lags, axis=0) if lags else np.zeros(self._dancers)
 
     def _common_shift(self) -> Array:
-        """(E,) common shift in units of its standard deviation."""
+        """(E,) a draw of the common shift, in units of its standard deviation."""
         noise = self._rng.standard_normal(len(self._steps))
-        rho = self._p.common_correlation
+        rho = self._parameters.common_correlation
+
         shift = np.empty(len(noise))
         shift[0] = noise[0]
         for k in range(1, len(noise)):
@@ -195,14 +307,19 @@ class EnsembleTiming:
         return shift
 
 
-def _slowed(nominal_s: Array, beats: Array, anticipation: float) -> Array:
-    """(E,) how much later than the music each event comes for those who expect the last interval's tempo [s]."""
-    interval, beat = np.diff(nominal_s, prepend=nominal_s[0]), np.diff(beats, prepend=beats[0])
+def _tempo_error(nominal_s: Array, beats: Array, anticipation: float) -> Array:
+    """(E,) lateness that the part of a tempo change that was not foreseen adds at each event [s].
+
+    Dancers predict an interval from the tempo of the last one; the first two events have no prediction.
+    """
+    interval = np.diff(nominal_s, prepend=nominal_s[0])
+    beat = np.diff(beats, prepend=beats[0])
+
     out = np.zeros(len(beats))
     out[2:] = (1.0 - anticipation) * (interval[1:-1] * beat[2:] / beat[1:-1] - interval[2:])
     return out
 
 
 def _lognormal(spread: float, rng: np.random.Generator) -> float:
-    """A factor with mean 1 and the given log standard deviation; one draw is spent whatever the spread."""
+    """A factor with mean 1 and the given log standard deviation; it always uses one draw, also without spread."""
     return float(np.exp(spread * rng.standard_normal() - spread**2 / 2))

@@ -50,7 +50,7 @@ def missed(fit, p: TimingParameters, wide: float = 1.0) -> dict[str, tuple[float
     """Parameters that are neither within 10 % nor inside their interval, or one that is wider about the fit."""
     truth = {name: getattr(p, name) for name in ("timekeeper_s", "motor_s", "common_s", "common_correlation", "lapse")}
     truth |= {name: getattr(p, name) for name in ("coupling", "iteration_spread", "group_spread")}
-    truth |= {f"late_s[{k + 1}]": late for k, late in enumerate(p.each("late_s", len(fit.agents), 0.0))}
+    truth |= {f"late_s[{k + 1}]": late for k, late in enumerate(p.per_dancer("late_s", len(fit.agents), 0.0))}
     out = {}
     for name, value in truth.items():
         if name not in fit.estimates:
@@ -90,7 +90,7 @@ def test_the_filter_is_the_gaussian_density():
     times = rng.normal(size=(6, 5, 3))
     times[rng.random(times.shape) < 0.25] = np.nan
     noise = Noise(np.array([0.4, 0.5, 0.9]), np.array([0.4, 0.5, 2.0]), np.array([0.1, 0.2, 0.3]), 1.5, 0.6)
-    transition = TimingParameters(coupling=((0, 0.1, 0.3), (0.2, 0, 0.2), (0.4, 0.0, 0))).transition(3)
+    transition = TimingParameters(coupling=((0, 0.1, 0.3), (0.2, 0, 0.2), (0.4, 0.0, 0))).transition_matrix(3)
     judge = PhaseFilter(times)
     distance, log_det = judge.evaluate(transition, noise)
     for n in range(len(times)):
@@ -155,7 +155,7 @@ def test_each_dancers_noise_is_found():
 def test_in_free_time_only_what_divides_the_dancers_counts():
     rng = np.random.default_rng(660_000)
     p = TimingParameters(timekeeper_s=0.03, motor_s=0.01, coupling=0.15)
-    step, x, rows = p.transition(3), np.zeros(3), []
+    step, x, rows = p.transition_matrix(3), np.zeros(3), []
     for _ in range(600):
         x = step @ x + 0.03 * rng.normal(size=3)
         rows.append(x + 0.01 * rng.normal(size=3) + 0.5 * rng.normal())

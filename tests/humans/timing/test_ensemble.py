@@ -1,4 +1,4 @@
-"""The timing model against its own equations, by a second route, and every preset against its values."""
+"""Tests of the ensemble timing model against its equations, computed by a second route."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from sjasim.humans.timing.parameters import TimingParameters, preset, preset_nam
 from ..dancing import dance
 
 SLOW = 40.0
-"""A tempo so slow that events never run into one another and the order rule is never felt."""
+"""A tempo so slow that the shortest moves and holds never change an event time [beats per minute]."""
 
 NOISY = ("paper-entrainment", "paper-warmup", "one-late", "tempo-change")
 
@@ -34,34 +34,42 @@ def ensemble(parameters, dancers=3, people=0, performance=0, bpm=118.0) -> Ensem
     return EnsembleTiming(parameters, timetable(bpm), dancers, *streams)
 
 
-def draw(model, iteration, felt, free):
-    """A whole iteration of people whom the robot does not move."""
-    model.begin(iteration, felt, free)
+def draw(model, iteration, appropriateness_s, free):
+    """Cues of a whole iteration of dancers who are not coupled to the robot."""
+    model.begin(iteration, appropriateness_s, free)
     return model.decide(-math.inf, ())
 
 
 def times(cues) -> list[float]:
+    """Event times of one dancer's cues [s]."""
     return [t for cue in cues for _, t in cue.events()]
 
 
-@cache
-def deviations(parameters, count, dancers=3, felt=None, people=0, bpm=SLOW) -> np.ndarray:
-    """(N, D, E) event times minus the nominal ones; each draw is another group of people."""
+def nominal_times(bpm: float = SLOW) -> np.ndarray:
+    """(E,) nominal event times of iteration 1 [s]."""
     table = timetable(bpm)
-    nominal = np.array([table.time_s(1, step.beat) for step in table.choreography.steps()])
+    return np.array([table.time_s(1, step.beat) for step in table.choreography.steps()])
+
+
+@cache
+def deviations(parameters, count, dancers=3, appropriateness_s=None, people=0, bpm=SLOW) -> np.ndarray:
+    """(N, D, E) event times minus the nominal ones; each draw is another group of people."""
+    nominal = nominal_times(bpm)
+
     out = []
     for index in range(count):
         model = ensemble(parameters, dancers, people + index, 10_000 + index, bpm)
-        drawn = draw(model, 1, felt, np.zeros(dancers))
+        drawn = draw(model, 1, appropriateness_s, np.zeros(dancers))
         out.append([np.array(times(cues)) - nominal for cues in drawn])
     return np.array(out)
 
 
 def expected_covariance(p: TimingParameters, dancers: int, events: int) -> np.ndarray:
-    """(E, D, D) covariance of own deviations by the recursion of the ensemble's matrix."""
+    """(E, D, D) covariance of own deviations, by the recursion sigma = A sigma A^T + noise."""
     gain = p.coupling * np.diag([(*p.correction, 1.0)[0], *[1.0] * (dancers - 1)])
     matrix = (1 - p.music_coupling) * np.eye(dancers) - gain @ (dancers * np.eye(dancers) - np.ones((dancers, dancers)))
     spread = np.exp(p.group_spread**2 + p.iteration_spread**2 + p.dancer_spread**2)
+
     sigma = p.timekeeper_s**2 * np.eye(dancers)
     rows = []
     for _ in range(events):
@@ -70,16 +78,17 @@ def expected_covariance(p: TimingParameters, dancers: int, events: int) -> np.nd
     return np.array(rows)
 
 
-def test_metronomic_dancers_keep_to_the_score():
-    table = timetable()
-    for cues in draw(ensemble(preset("metronomic")), 1, None, np.zeros(3)):
-        nominal = [table.time_s(1, step.beat) for step in table.choreography.steps()]
-        assert times(cues) == pytest.approx(nominal)
+def test_metronomic_dancers_perform_the_nominal_times():
+    drawn = draw(ensemble(preset("metronomic")), 1, None, np.zeros(3))
+    assert len(drawn) == 3
+    for cues in drawn:
+        assert times(cues) == pytest.approx(nominal_times(118.0))
 
 
 @pytest.mark.parametrize("name", preset_names())
-def test_order_holds_by_construction(name):
+def test_moves_never_overlap_and_are_never_too_short(name):
     model = ensemble(preset(name))
+    moves = 0
     for iteration in range(60):
         free = np.array([timetable().start_s(iteration) - 0.3] * 3)
         for cues, earliest in zip(draw(model, iteration, 1.5, free), free, strict=True):
@@ -87,21 +96,25 @@ def test_order_holds_by_construction(name):
             for cue in cues:
                 if cue.move is Move.TURN:
                     continue
+                moves += 1
                 assert cue.t_s >= end + MIN_HOLD_S - 1e-9
                 if cue.move is not Move.CLAP:
                     assert cue.duration_s >= MIN_MOVE_S - 1e-9
                 end = cue.t_s + cue.duration_s
+    assert moves > 300
 
 
-def test_nobody_begins_before_they_can():
-    cues = draw(ensemble(preset("paper-entrainment")), 1, None, np.array([60.0, 70.0, 80.0]))
-    assert [own[0].t_s for own in cues if own] >= [60.0, 70.0, 80.0][: len(cues)]
+def test_no_dancer_begins_before_its_earliest_time():
+    earliest = [60.0, 70.0, 80.0]
+    drawn = draw(ensemble(replace(preset("paper-entrainment"), lapse=0.0)), 1, None, np.array(earliest))
+    assert [own[0].t_s for own in drawn] == earliest
 
 
 @pytest.mark.parametrize("name", NOISY)
 def test_presets_have_the_asynchronies_of_their_parameters(name):
     p = replace(preset(name), lapse=0.0, late_s=())
     found = deviations(p, 1500)
+
     gaps = (found[:, 0] - found[:, 1]).std(axis=0)
     covariance = expected_covariance(p, 3, found.shape[2])
     expected = np.sqrt(covariance[:, 0, 0] + covariance[:, 1, 1] - 2 * covariance[:, 0, 1])
@@ -129,28 +142,29 @@ def test_the_common_shift_is_autoregressive(name):
         assert np.mean(pairs) == pytest.approx(rho**lag, abs=0.04)
 
 
-def test_coupling_pulls_dancers_together():
+def test_coupling_reduces_asynchronies():
     p = TimingParameters(timekeeper_s=0.1)
     loose, tight = (deviations(replace(p, coupling=c), 300)[:, :, -1] for c in (0.0, 0.25))
     assert tight.std(axis=1).mean() < 0.5 * loose.std(axis=1).mean()
 
 
-def test_a_badly_timed_robot_disturbs_by_the_entrainment_exponent():
+def test_noise_grows_with_the_robots_error_by_the_entrainment_exponent():
     p = TimingParameters(timekeeper_s=0.05, motor_s=0.02, entrainment=0.61)
-    usual, twice, half = (deviations(p, 200, felt=felt).std() for felt in (0.70, 1.40, 0.35))
+    usual, twice, half = (deviations(p, 200, appropriateness_s=error_s).std() for error_s in (0.70, 1.40, 0.35))
     assert twice / usual == pytest.approx(2**0.61, rel=1e-6)
     assert half / usual == pytest.approx(2**-0.61, rel=1e-6)
     assert deviations(p, 200).std() == pytest.approx(usual)
 
 
-def test_the_robot_does_not_move_the_common_shift():
+def test_the_robots_error_leaves_the_common_shift_as_it_is():
     p = TimingParameters(common_s=0.3, common_correlation=0.7, entrainment=0.61)
-    assert np.array_equal(deviations(p, 20, felt=0.1), deviations(p, 20, felt=2.0))
+    assert np.array_equal(deviations(p, 20, appropriateness_s=0.1), deviations(p, 20, appropriateness_s=2.0))
 
 
-def test_lapses_leave_out_phrases_and_claps_as_often_as_they_say():
+def test_lapses_leave_out_phrases_and_claps_at_their_rate():
     model = ensemble(replace(preset("paper-entrainment"), lapse=0.2), dancers=8)
     cues = [own for iteration in range(150) for own in draw(model, iteration, None, np.zeros(8))]
+
     moved = [[cue.move for cue in own] for own in cues]
     for move, whole in ((Move.FORWARD, 2), (Move.BACKWARD, 2), (Move.CLAP, 1)):
         assert sum(m.count(move) for m in moved) / len(cues) == pytest.approx(0.8 * whole, abs=0.06)
@@ -158,19 +172,19 @@ def test_lapses_leave_out_phrases_and_claps_as_often_as_they_say():
     assert all(m.count(Move.TURN) == 1 for m in moved)
 
 
-def test_a_dancer_who_lapses_always_only_turns():
+def test_with_a_lapse_rate_of_one_dancers_only_turn():
     drawn = draw(ensemble(TimingParameters(lapse=1.0)), 1, None, np.zeros(3))
-    assert all([cue.move for cue in cues] == [Move.TURN] for cues in drawn)
+    assert [[cue.move for cue in cues] for cues in drawn] == [[Move.TURN]] * 3
 
 
-def test_a_late_dancer_is_late_by_as_much_every_time():
+def test_a_late_dancer_has_a_constant_lateness():
     found = deviations(TimingParameters(late_s=(0.5,)), 2)
     assert found[:, 0] == pytest.approx(0.5)
     assert found[:, 1:] == pytest.approx(0.0)
     assert preset("one-late").late_s == (0.5,)
 
 
-def test_the_same_people_give_other_performances():
+def test_people_and_performance_have_separate_generators():
     p = TimingParameters(common_s=0.1, group_spread=0.5)
 
     def take(people: int, performance: str) -> np.ndarray:
@@ -179,7 +193,7 @@ def test_the_same_people_give_other_performances():
         )
         return np.array(times(draw(model, 1, None, np.zeros(2))[0]))
 
-    nominal = np.array([timetable(SLOW).time_s(1, step.beat) for step in dance().steps()])
+    nominal = nominal_times()
     assert np.array_equal(take(1, "a"), take(1, "a"))
     assert not np.allclose(take(1, "a"), take(1, "b"))
     ratio = (take(2, "a") - nominal) / (take(1, "a") - nominal)
@@ -187,23 +201,26 @@ def test_the_same_people_give_other_performances():
     assert abs(ratio[0] - 1.0) > 0.01
 
 
-def test_a_lapse_does_not_shift_the_other_dancers():
-    """Every draw spends as many numbers whatever the parameters, so one change does not change all."""
+def test_lapses_do_not_change_the_times_of_other_moves():
+    """An iteration uses as many random numbers whatever the parameters are."""
     calm, lapsing = (ensemble(replace(preset("paper-warmup"), lapse=lapse)) for lapse in (0.0, 0.3))
     first, second = draw(calm, 1, None, np.zeros(3)), draw(lapsing, 1, None, np.zeros(3))
     starts = {(cue.dancer, cue.ordinal, cue.move): cue.t_s for own in first for cue in own}
-    for cue in (cue for own in second for cue in own):
+
+    remaining = [cue for own in second for cue in own]
+    assert 3 < len(remaining) < len(starts)
+    for cue in remaining:
         assert starts[cue.dancer, cue.ordinal, cue.move] == cue.t_s
 
 
 @pytest.mark.parametrize("dancers", [0, -1, 9])
-def test_a_group_of_none_or_too_many_is_refused(dancers):
+def test_a_group_outside_one_to_eight_is_refused(dancers):
     with pytest.raises(ConfigError, match="1 to 8 dancers"):
         ensemble(TimingParameters(), dancers)
 
 
 @pytest.mark.parametrize("dancers", [2, 3, 5, 8])
-def test_groups_of_every_size_hold_together_alike(dancers):
+def test_one_coupling_gives_groups_of_every_size_the_same_asynchrony(dancers):
     p = TimingParameters(timekeeper_s=0.1, coupling=0.25)
     last = deviations(p, 300, dancers)[:, :, -1]
     expected = 0.1 * np.sqrt((1 - 1 / dancers) / (1 - 0.25**2))
@@ -211,8 +228,8 @@ def test_groups_of_every_size_hold_together_alike(dancers):
     assert np.sqrt((own**2).mean()) == pytest.approx(expected, rel=0.1)
 
 
-def seen_late(model, late_s, ordinals=range(9), iteration=1):
-    """Let a group decide move by move beside a robot that is late at every step; its cues in order of time."""
+def decide_beside_late_robot(model, late_s, ordinals=range(9), iteration=1):
+    """Cues, in order of time, of a group that decides move by move beside a robot that is late at the given steps."""
     table, steps = timetable(SLOW), dance().steps()
     robot = [(steps[k].kind, table.time_s(iteration, steps[k].beat) + late_s) for k in ordinals]
     model.begin(iteration, None, np.zeros(3))
@@ -223,34 +240,34 @@ def seen_late(model, late_s, ordinals=range(9), iteration=1):
 
 
 def lateness(cues, dancer="dancer_1"):
-    table, steps = timetable(SLOW), dance().steps()
+    """Lateness of each event of a dancer [s]."""
     events = [event for cue in cues if cue.dancer == dancer for event in cue.events()]
-    return [t_s - table.time_s(1, step.beat) for step, (_, t_s) in zip(steps, events, strict=True)]
+    return [t_s - nominal_s for nominal_s, (_, t_s) in zip(nominal_times(), events, strict=True)]
 
 
-def test_people_who_heed_a_late_robot_come_to_be_late_themselves():
+def test_dancers_who_are_coupled_to_a_late_robot_become_late():
     p = TimingParameters(robot_coupling=0.5)
-    found = lateness(seen_late(ensemble(p, bpm=SLOW), 0.4))
+    found = lateness(decide_beside_late_robot(ensemble(p, bpm=SLOW), 0.4))
     assert found[:2] == [0.0, 0.0]
     assert found[2:4] == pytest.approx([0.2, 0.2])
     assert found[4:6] == pytest.approx([0.3, 0.3])
     assert found[8] == pytest.approx(0.4 * (1 - 0.5**4))
 
 
-def test_each_dancer_heeds_the_robot_as_much_as_they_do():
+def test_each_dancer_has_its_own_robot_coupling():
     p = TimingParameters(robot_coupling=(0.0, 0.5))
-    cues = seen_late(ensemble(p, bpm=SLOW), 0.4)
+    cues = decide_beside_late_robot(ensemble(p, bpm=SLOW), 0.4)
     assert lateness(cues, "dancer_1") == pytest.approx([0.0] * 9)
     assert lateness(cues, "dancer_2")[2] == pytest.approx(0.2)
 
 
-def test_what_the_robot_did_is_answered_once():
+def test_dancers_correct_once_for_each_robot_event():
     p = TimingParameters(robot_coupling=0.5)
-    found = lateness(seen_late(ensemble(p, bpm=SLOW), 0.4, ordinals=[0]))
+    found = lateness(decide_beside_late_robot(ensemble(p, bpm=SLOW), 0.4, ordinals=[0]))
     assert found[2:] == pytest.approx([0.2] * 7)
 
 
-def test_a_robot_turns_where_people_clap():
+def test_a_turn_of_the_robot_counts_as_a_clap():
     p = TimingParameters(robot_coupling=0.5)
     model = ensemble(p, bpm=SLOW)
     model.begin(1, None, np.zeros(3))
@@ -261,41 +278,42 @@ def test_a_robot_turns_where_people_clap():
     assert drawn[0][0].t_s == pytest.approx(clap_s - 0.5 * (0.0 - 0.2))
 
 
-def test_without_the_robot_it_does_not_matter_when_people_decide():
+def test_without_robot_coupling_the_times_do_not_depend_on_when_they_are_decided():
     p = replace(preset("paper-warmup"), lapse=0.0)
     whole = ensemble(p, bpm=SLOW)
     at_once = sorted(cue.t_s for own in draw(whole, 1, None, np.zeros(3)) for cue in own)
     stepwise = ensemble(replace(p, robot_coupling=1e-12), bpm=SLOW)
-    assert [cue.t_s for cue in seen_late(stepwise, 0.4)] == pytest.approx(at_once)
+    assert [cue.t_s for cue in decide_beside_late_robot(stepwise, 0.4)] == pytest.approx(at_once)
 
 
-def test_nobody_begins_sooner_than_they_can_prepare():
+def test_a_move_begins_at_the_earliest_after_its_preparation():
     model = ensemble(TimingParameters(robot_coupling=0.1), bpm=SLOW)
     model.begin(1, None, np.zeros(3))
     late = timetable(SLOW).time_s(1, 0) + 1.0
     assert [own[0].t_s for own in model.decide(late, ())] == pytest.approx([late + PREPARATION_S] * 3)
 
 
-def test_a_drifting_dancer_falls_behind_by_their_tempo_unless_coupled():
+def test_drift_accumulates_unless_the_music_is_followed():
     alone = deviations(TimingParameters(drift=(0.02,)), 1)[0]
-    elapsed = np.array([timetable(SLOW).time_s(1, step.beat) for step in dance().steps()])
+    elapsed = nominal_times()
     assert alone[0] == pytest.approx(0.02 * (elapsed - elapsed[0]))
     held = deviations(TimingParameters(drift=(0.02,), music_coupling=0.5), 1)[0]
     assert held[0, -1] == pytest.approx(0.02 * (elapsed[1] - elapsed[0]) / 0.5, rel=0.01)
     assert alone[1:] == pytest.approx(0.0)
 
 
-def test_some_dancers_are_noisier_than_others():
+def test_noise_scales_with_the_dancers_factor_and_spread():
     p = TimingParameters(timekeeper_s=0.02, motor_s=0.02, scale=(0.0, 1.0, 3.0))
     found = deviations(p, 300).std(axis=(0, 2))
     assert found[0] == 0.0
     assert found[2] / found[1] == pytest.approx(3.0, rel=0.1)
+
     spread = deviations(TimingParameters(motor_s=0.02, dancer_spread=0.5), 400, dancers=8)
     log_scale = np.log(spread.std(axis=2))
     assert log_scale.std() > 0.45
 
 
-def test_the_same_person_is_as_noisy_in_every_performance():
+def test_a_persons_noise_scale_is_the_same_in_every_performance():
     p = TimingParameters(motor_s=0.02, dancer_spread=0.5)
     takes = [deviations_of(p, people=3, performance=take) for take in range(40)]
     other = [deviations_of(p, people=4, performance=take) for take in range(40)]
@@ -305,8 +323,6 @@ def test_the_same_person_is_as_noisy_in_every_performance():
 
 
 def deviations_of(p, people, performance):
-    table = timetable(SLOW)
-    nominal = np.array([table.time_s(1, step.beat) for step in dance().steps()])
-    return [
-        np.array(times(own)) - nominal for own in draw(ensemble(p, 3, people, performance, SLOW), 1, None, np.zeros(3))
-    ]
+    """(D, E) event times of one performance minus the nominal ones [s]."""
+    model = ensemble(p, 3, people, performance, SLOW)
+    return [np.array(times(own)) - nominal_times() for own in draw(model, 1, None, np.zeros(3))]

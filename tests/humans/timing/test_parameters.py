@@ -1,4 +1,4 @@
-"""What parameters are allowed, and what a group makes of them."""
+"""Tests of the timing parameters: allowed values, gain matrices, presets and files."""
 
 from __future__ import annotations
 
@@ -46,44 +46,43 @@ def test_a_coupling_matrix_has_as_many_rows_as_columns(matrix):
         TimingParameters(coupling=matrix)
 
 
-def test_a_coupling_matrix_is_for_its_own_size_of_group():
+def test_a_coupling_matrix_fits_one_number_of_dancers():
     with pytest.raises(ConfigError, match=r"humans.coupling.*4 rows of 4"):
         TimingParameters(coupling=LEADER).coupling_gains(4)
 
 
-def test_gains_that_would_drive_people_apart_are_refused():
+def test_gains_under_which_asynchronies_grow_are_refused():
     with pytest.raises(ConfigError, match=r"humans.coupling.*differences die out.*1\.4"):
         TimingParameters(coupling=((0.0, 0.8, 0.8), (0.8, 0.0, 0.8), (0.8, 0.8, 0.0)))
     with pytest.raises(ConfigError, match=r"humans.robot_coupling.*die out"):
-        TimingParameters(coupling=0.6, robot_coupling=1.0).transition(3)
+        TimingParameters(coupling=0.6, robot_coupling=1.0).transition_matrix(3)
 
 
-def test_one_number_couples_groups_of_every_size_alike():
-    p = TimingParameters(coupling=0.3)
-    for dancers in range(2, 9):
-        matrix = p.transition(dancers)
-        assert matrix.sum(axis=1) == pytest.approx(1.0)
-        eigenvalues = np.sort(np.linalg.eigvals(matrix).real)
-        assert eigenvalues[:-1] == pytest.approx(1 - 0.9)
+@pytest.mark.parametrize("dancers", range(2, 9))
+def test_one_number_corrects_as_much_in_groups_of_every_size(dancers):
+    matrix = TimingParameters(coupling=0.3).transition_matrix(dancers)
+    assert matrix.sum(axis=1) == pytest.approx(1.0)
+    eigenvalues = np.sort(np.linalg.eigvals(matrix).real)
+    assert eigenvalues[:-1] == pytest.approx(1 - 0.9)
 
 
-def test_a_matrix_says_who_corrects_towards_whom():
+def test_a_row_of_the_matrix_corrects_towards_its_columns():
     p = TimingParameters(coupling=LEADER)
     assert np.array_equal(p.coupling_gains(3), LEADER)
-    lead = p.transition(3) @ np.array([0.1, 0.0, 0.0])
+    lead = p.transition_matrix(3) @ np.array([0.1, 0.0, 0.0])
     assert lead == pytest.approx([0.1 * 0.8, 0.06, 0.06])
 
 
-def test_a_dancer_may_correct_less_than_the_others():
+def test_correction_scales_a_dancers_own_gains():
     gains = TimingParameters(coupling=0.3, correction=(0.2,)).coupling_gains(3)
     assert gains[0, 1:] == pytest.approx(0.06)
     assert gains[1:, 0] == pytest.approx(0.3)
 
 
-def test_lists_are_of_the_first_dancers_and_the_rest_is_neutral():
+def test_dancers_beyond_a_list_have_the_neutral_value():
     p = TimingParameters(late_s=(0.5,), scale=(2.0, 3.0, 4.0))
-    assert list(p.each("late_s", 3, 0.0)) == [0.5, 0.0, 0.0]
-    assert list(p.each("scale", 2, 1.0)) == [2.0, 3.0]
+    assert list(p.per_dancer("late_s", 3, 0.0)) == [0.5, 0.0, 0.0]
+    assert list(p.per_dancer("scale", 2, 1.0)) == [2.0, 3.0]
 
 
 def test_an_unknown_preset_lists_the_known_ones():
@@ -91,7 +90,8 @@ def test_an_unknown_preset_lists_the_known_ones():
         preset("nobody")
 
 
-def test_every_preset_says_where_its_values_come_from():
+def test_every_preset_names_its_source():
+    assert len(preset_names()) >= 8
     assert all(preset(name).about for name in preset_names())
 
 

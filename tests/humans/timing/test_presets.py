@@ -1,4 +1,4 @@
-"""Every preset's statistics against the values that it cites; what no source gives is called assumed there."""
+"""Tests of every preset's statistics against the values that it cites."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 def performed(name: str, count: int = 600, dancers: int = 3) -> np.ndarray:
-    """(N, D, E) lateness of dancers who leave nothing out."""
+    """(N, D, E) lateness of dancers without lapses [s]."""
     return deviations(replace(preset(name), lapse=0.0, late_s=()), count, dancers)
 
 
-def follow(found: np.ndarray) -> float:
-    """Lag-1 correlation of what divides the dancers."""
+def asynchrony_correlation(found: np.ndarray) -> float:
+    """Lag-1 correlation of the dancers' asynchronies with their mean."""
     apart = found - found.mean(axis=1, keepdims=True)
     return float(np.corrcoef(apart[:, :, 3:-1].ravel(), apart[:, :, 4:].ravel())[0, 1])
 
 
-def alternate(found: np.ndarray) -> float:
-    """Lag-1 correlation of a dancer's own intervals."""
+def interval_correlation(found: np.ndarray) -> float:
+    """Lag-1 correlation of a dancer's own intervals; negative where errors are corrected."""
     intervals = np.diff(found, axis=2)
     intervals = intervals - intervals.mean(axis=(0, 1))
     return float(np.corrcoef(intervals[:, :, :-1].ravel(), intervals[:, :, 1:].ravel())[0, 1])
@@ -52,10 +52,11 @@ def alternate(found: np.ndarray) -> float:
 )
 def test_a_preset_has_the_statistics_that_it_cites(name, least_s, most_s, follows, common_s):
     found = performed(name)
+
     gaps = np.stack([found[:, 0] - found[:, 1], found[:, 1] - found[:, 2], found[:, 2] - found[:, 0]])
     assert least_s <= gaps[:, :, 3:].std() <= most_s
-    assert follows[0] <= follow(found) <= follows[1]
-    assert alternate(found) < -0.1
+    assert follows[0] <= asynchrony_correlation(found) <= follows[1]
+    assert interval_correlation(found) < -0.1
     group = found.mean(axis=1)
     assert group[:, 0].std() == pytest.approx(np.hypot(common_s, gaps[:, :, 0].std() / np.sqrt(6)), rel=0.2)
 
@@ -69,8 +70,9 @@ def test_novices_are_noisier_than_musicians():
     assert performed("novices").std(axis=1).mean() > 1.5 * performed("musicians").std(axis=1).mean()
 
 
-def test_the_leader_gives_up_less_than_the_others():
+def test_the_leader_corrects_less_than_the_others():
     found = performed("leader", 1500)
+
     slopes = []
     for dancer in range(3):
         lead = found[:, dancer] - np.delete(found, dancer, axis=1).mean(axis=1)
@@ -85,6 +87,7 @@ def slowing(anticipation: float) -> np.ndarray:
     music = TempoMap.changing(60.0, ((0.0, 1.0), (40.0, 0.6)), ())
     table = Timetable(dance(), music, 4.0, 1, 1)
     nominal = np.array([table.time_s(1, step.beat) for step in dance().steps()])
+
     rows = []
     for seed in range(150):
         model = EnsembleTiming(p, table, 3, np.random.default_rng(seed), np.random.default_rng(900 + seed))
@@ -92,11 +95,11 @@ def slowing(anticipation: float) -> np.ndarray:
     return np.mean(rows, axis=0)
 
 
-def test_people_run_ahead_of_a_ritardando_by_what_they_do_not_foresee():
-    blind, usual, seeing = (slowing(share)[2:] for share in (0.0, 0.7, 1.0))
-    assert blind.max() < -0.1
-    assert usual == pytest.approx(0.3 * blind, abs=0.01)
-    assert seeing == pytest.approx(0.0, abs=0.01)
+def test_dancers_run_ahead_of_a_ritardando_by_the_share_they_do_not_foresee():
+    none, usual, whole = (slowing(share)[2:] for share in (0.0, 0.7, 1.0))
+    assert none.max() < -0.1
+    assert usual == pytest.approx(0.3 * none, abs=0.01)
+    assert whole == pytest.approx(0.0, abs=0.01)
 
 
 def test_sources_that_presets_cite_are_in_the_bibliography():

@@ -1,4 +1,4 @@
-"""People who perform an event table: at its times, or not at all with the line that is impossible."""
+"""Tests of the replay timing model: event tables are performed as they stand, or refused with the line at fault."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ BEAT_S = 60 / 118
 
 
 def score(agents=("dancer_1",), iterations=(0, 1, 2), late_s=0.0) -> list[TableEvent]:
-    """What dancers do who keep to the score, as rows of a table."""
+    """Rows of a table whose dancers keep to the score, with a constant lateness."""
     rows = []
     for iteration in iterations:
         for step in TABLE.choreography.steps():
@@ -36,7 +36,9 @@ def score(agents=("dancer_1",), iterations=(0, 1, 2), late_s=0.0) -> list[TableE
 
 
 def replayed(rows, dancers=1) -> list[tuple]:
+    """Cues of all dancers in iterations 0 to 2."""
     model = Replay(rows, "events.csv", TABLE, dancers)
+
     out = []
     for iteration in range(3):
         model.begin(iteration, None, np.zeros(dancers))
@@ -47,10 +49,12 @@ def replayed(rows, dancers=1) -> list[tuple]:
 
 
 def without(rows, *places):
+    """The rows but for those at some places."""
     return [row for k, row in enumerate(rows) if k not in places]
 
 
 def at(rows, place, t_s, kind=None):
+    """The rows with another time, and perhaps another kind, at one place."""
     row = rows[place]
     changed = TableEvent(row.session, row.iteration, row.agent, kind or row.kind, t_s, False, row.line)
     return [*rows[:place], changed, *rows[place + 1 :]]
@@ -65,7 +69,7 @@ def test_times_are_performed_as_they_stand():
     assert cues[-1].t_s == pytest.approx(nominal[-1] + 0.25)
 
 
-def test_what_the_model_danced_is_danced_again():
+def test_a_replay_of_a_models_events_gives_the_models_cues():
     model = EnsembleTiming(preset("paper-entrainment"), TABLE, 3, np.random.default_rng(1), np.random.default_rng(2))
     drawn, rows, free = [], [], np.full(3, 0.5)
     for iteration in range(3):
@@ -85,31 +89,34 @@ def test_what_the_model_danced_is_danced_again():
             assert [c.duration_s for c in own] == pytest.approx([c.duration_s for c in again])
 
 
-def test_a_laboratorys_names_are_taken_in_order_and_the_robot_is_left_aside():
+def test_other_names_are_taken_in_natural_order_and_the_robot_is_ignored():
     rows = score(agents=("p10", "p2", "robot"))
     first, second = replayed(rows, 2)[0]
     assert {cue.dancer for cue in first} == {"dancer_1"}
     assert len(first) == len(second) == 6
 
 
-def test_early_events_only_announce():
+def test_early_events_are_ignored():
     early = [TableEvent("s", 1, "dancer_1", Kind.CLAP, 1.0, True, 99)]
     assert replayed(score() + early) == replayed(score())
 
 
-def test_a_missing_stop_or_start_is_completed_and_said():
+def test_a_missing_stop_or_start_is_completed_with_a_notice():
     rows = without(score(), 10, 13)
     model = Replay(rows, "events.csv", TABLE, 1)
     model.begin(1, None, np.zeros(1))
     cues = model.decide(0.0, ())[0]
+
     assert cues[0].duration_s == pytest.approx(4 * BEAT_S)
     assert cues[2].t_s + cues[2].duration_s == pytest.approx(TABLE.time_s(1, 20))
     assert cues[2].duration_s == pytest.approx(4 * BEAT_S)
     assert [notice.source for notice in model.notices] == ["dancer_1", "dancer_1"]
-    assert all("events.csv, line" in notice.what and "no partner" in notice.what for notice in model.notices)
+    assert all(
+        "events.csv, line" in notice.what and "the score's length is used" in notice.what for notice in model.notices
+    )
 
 
-def test_a_frame_too_short_is_a_detectors_rounding():
+def test_moves_and_holds_too_short_by_a_frame_are_lengthened():
     start = TABLE.time_s(1, 0)
     cues = replayed(at(score(), 10, start + 0.79))[1][0]
     assert cues[0].duration_s == 0.8
@@ -117,18 +124,18 @@ def test_a_frame_too_short_is_a_detectors_rounding():
     assert cues[1].t_s == pytest.approx(TABLE.time_s(1, 4) + 0.15)
 
 
-def test_a_phrase_that_was_left_out_stays_out():
+def test_a_phrase_without_events_is_left_out():
     cues = replayed(without(score(), 9, 10, 11, 12))[1][0]
     assert [cue.ordinal for cue in cues] == [4, 6, 8, 8]
 
 
-def test_an_iteration_without_anything_is_a_turn_with_the_music():
+def test_in_an_iteration_without_events_dancers_turn_with_the_music():
     cues = replayed(score(iterations=(0, 2)))[1][0]
     assert [cue.move for cue in cues] == [Move.TURN]
     assert cues[0].t_s == pytest.approx(TABLE.time_s(1, 32.5))
 
 
-def test_a_turn_of_the_table_is_taken():
+def test_a_recorded_turn_keeps_its_time():
     rows = score()
     turn = TableEvent("s", 1, "dancer_1", Kind.TURN, TABLE.time_s(1, 32) + 0.6, False, 50)
     assert replayed([*rows, turn])[1][0][-1].t_s == turn.t_s
@@ -148,7 +155,7 @@ S = TABLE.time_s(1, 0)
         (at(score(), 17, S + 11 * BEAT_S + 3, Kind.START_BACKWARD), r"line 19: .*that of line"),
     ],
 )
-def test_what_nobody_can_do_is_named(rows, says):
+def test_an_impossible_event_is_refused_with_its_line(rows, says):
     with pytest.raises(RecordError, match=says) as caught:
         Replay(rows, "events.csv", TABLE, 1)
     assert str(caught.value).startswith("events.csv")
@@ -161,7 +168,7 @@ def test_a_group_of_another_size_is_refused():
         Replay([], "events.csv", TABLE, 3)
 
 
-def test_a_turn_without_time_is_named():
+def test_a_turn_without_enough_time_is_refused():
     rows = score()
     clap = 9 + 8
     late = at(rows, clap, TABLE.time_s(2, 0) - 1.0)
