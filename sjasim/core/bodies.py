@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from enum import IntEnum
 from typing import NamedTuple, Protocol
 
 from .vocabulary import Array, IntArray, Kind, Move
@@ -43,13 +44,36 @@ class Cue:
         return replace(self, t_s=self.t_s + by_s)
 
 
+class StateColumn(IntEnum):
+    """First column of each part of a dancer's state in `DancerStates.rows`."""
+
+    COM = 0
+    """Centre of mass x, y, z [m]."""
+    COM_VELOCITY = 3
+    """Its velocity [m/s]."""
+    ROOT = 6
+    """Pelvis x, y, z [m], yaw, pitch (forward positive), roll [rad]."""
+    ROOT_VELOCITY = 12
+    """Rates of the same [m/s, rad/s]."""
+    ANKLES = 18
+    """Left and right ankle [m]."""
+    HANDS = 24
+    """Left and right hand [m]."""
+    TETHER = 30
+    """Forces x, y [N] and torques yaw, pitch, roll [Nm] of the balance support; 0 without one."""
+    LOAD = 35
+    """What the floor carries [N]."""
+
+
+DANCER_STATE_WIDTH = 36
+"""Number of columns of `DancerStates.rows`."""
+
+
 class DancerStates(NamedTuple):
-    """The state of every dancer at one tick: what the balance controller feels, and what is logged beside it.
+    """State of every dancer at one tick: what the balance controller uses, and what is logged beside it.
 
     Attributes:
-        rows: (D, 36) centre of mass [m] and its velocity [m/s]; pelvis x, y, z [m], yaw, pitch (forward positive),
-            roll [rad], and their rates; left and right ankle [m]; left and right hand [m]; the tether's force x, y [N]
-            and torque yaw, pitch, roll [Nm], 0 without one; what the floor carries [N].
+        rows: (D, `DANCER_STATE_WIDTH`) states, see `StateColumn`.
     """
 
     rows: Array
@@ -57,27 +81,27 @@ class DancerStates(NamedTuple):
     @property
     def root(self) -> Array:
         """(D, 6) pelvis x, y, z [m], yaw, pitch, roll [rad]."""
-        return self.rows[:, 6:12]
+        return self.rows[:, StateColumn.ROOT : StateColumn.ROOT_VELOCITY]
 
     @property
     def ankles(self) -> Array:
         """(D, 2, 3) left and right ankle [m]."""
-        return self.rows[:, 18:24].reshape(-1, 2, 3)
+        return self.rows[:, StateColumn.ANKLES : StateColumn.HANDS].reshape(-1, 2, 3)
 
     @property
     def hands(self) -> Array:
         """(D, 2, 3) centres of the left and the right hand [m]."""
-        return self.rows[:, 24:30].reshape(-1, 2, 3)
+        return self.rows[:, StateColumn.HANDS : StateColumn.TETHER].reshape(-1, 2, 3)
 
     @property
     def tether(self) -> Array:
         """(D, 5) force x, y [N] and torque yaw, pitch, roll [Nm]."""
-        return self.rows[:, 30:35]
+        return self.rows[:, StateColumn.TETHER : StateColumn.LOAD]
 
     @property
     def load(self) -> Array:
-        """(D,) what the floor carries of each [N]; see `Physics.feel`."""
-        return self.rows[:, 35]
+        """(D,) what the floor carries of each [N]; see `Physics.measure_load`."""
+        return self.rows[:, StateColumn.LOAD]
 
 
 @dataclass(frozen=True, slots=True)

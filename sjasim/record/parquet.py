@@ -38,7 +38,7 @@ ROW_TYPES: Mapping[str, type] = {
 COLUMN_TABLES: Mapping[str, tuple[str, ...]] = {
     "truth": (
         "t_s", "dancer", "x_m", "y_m", "z_m", "heading_rad", "hands_m", "tether_x_n", "tether_y_n",
-        "support_torque_nm", "load_n", "weight_n", "spine_seen", "hands_seen", "fallen",
+        "tether_torque_nm", "load_n", "weight_n", "spine_seen", "hands_seen", "fallen",
     ),
     "odometry": (
         "t_s", "x_m", "y_m", "heading_rad", "step_m", "yaw_rate_rad_s", "true_x_m", "true_y_m", "true_heading_rad",

@@ -16,7 +16,7 @@ from ..core import Array, Geoms, IntArray, SceneView, Skeletons
 from ..core.registry import register
 from . import kinect_noise
 from .depth_camera import DepthCamera, Intrinsics, RenderedDepth
-from .joint_occlusion import FLESH_M
+from .joint_occlusion import BODY_DEPTH_M
 from .skeleton.estimator import SkeletonEstimator
 
 BoolArray = NDArray[np.bool_]
@@ -120,7 +120,7 @@ def _look(
                     row, column = int(v), int(u)
                     g = geom[row, column]
                     own = g >= 0 and owner[g] == d
-                    out[d, j] = depth[row, column] >= z - (FLESH_M[j] if own else 0.0)
+                    out[d, j] = depth[row, column] >= z - (BODY_DEPTH_M[j] if own else 0.0)
 
 
 @njit(cache=True)

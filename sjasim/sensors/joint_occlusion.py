@@ -1,6 +1,8 @@
-"""What one sensor makes of true joints, compiled: which it can see, and the error and state of each."""
+"""Compiled core of joint sensing: which true joints a sensor can see, and the error and tracking state of each."""
 
 from __future__ import annotations
+
+from enum import IntEnum
 
 import numpy as np
 from numba import njit
@@ -8,99 +10,157 @@ from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..core import INFERRED, NOT_TRACKED, TRACKED, Array, BoolArray, IntArray
-from ..core.memory import cube, index_rows, indices, matrix, vector
 from .raycast.occlusion import PROJECTED_COLUMNS, mark_occluded, project_geoms
 
-BIAS, DRIFT, FACTOR, HIDDEN, BLEND, KEPT, FRESH, HELD, ERRORS = 0, 3, 6, 7, 8, 9, 10, 11, 12
-"""Columns of a joint's errors: constant error [m], slow error [m], how much larger both are now, the factor that they
-tend to while the joint is hidden (1 while it is visible), and the share of the way there at this frame; share of the
-slow error that is kept since the last frame, and standard deviation of what comes anew [m]; whether the rest of the
-body holds the joint in its place, so that it is tracked while it is hidden (1 or 0)."""
 
-PLACE, SLOPES, RANGE, EYE = 9, 12, 14, 16
-"""Columns of an eye after its rotation: place [m], slopes of the field of view, nearest and farthest depth [m]."""
+class ErrorColumn(IntEnum):
+    """First column of each part of a joint's error state."""
 
-SETTLED_FACTOR = 1.5
-"""A joint that is seen again is tracked once its error is at most this much larger than a visible joint's (assumed)."""
+    BIAS = 0
+    """Constant error x, y, z [m]."""
+    DRIFT = 3
+    """Slowly varying error x, y, z [m]."""
+    SCALE = 6
+    """Present scale of both errors."""
+    OCCLUDED_SCALE = 7
+    """Scale that is approached while the joint is occluded; 1 is approached while it is visible."""
+    GAIN = 8
+    """Gain of the first-order filter of the scale, for the interval since the last frame."""
+    KEPT = 9
+    """Share of the drift that is kept over this interval."""
+    INNOVATION = 10
+    """Standard deviation of what the drift gains over this interval [m]."""
+    HELD = 11
+    """1 for a joint that the rest of the body holds in place, so that it is tracked while occluded; else 0."""
+
+
+ERROR_WIDTH = 12
+"""Number of columns of a joint's error state."""
+
+
+class SensorColumn(IntEnum):
+    """First column of each part of the numbers that describe a sensor."""
+
+    ROTATION = 0
+    """Rotation sensor from world, row-major (9)."""
+    POSITION = 9
+    """Position in the world (3) [m]."""
+    TANGENTS = 12
+    """Tangents of half the horizontal and half the vertical field of view (2)."""
+    RANGE = 14
+    """Nearest and farthest depth (2) [m]."""
+
+
+SENSOR_WIDTH = 16
+"""Number of columns that describe a sensor."""
+
+SETTLED_SCALE = 1.5
+"""Largest error scale of a visible joint that counts as tracked; assumed. A joint that was occluded is inferred until
+its error has come down to this."""
 
 LIMBS = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb", "Knee", "Ankle", "Foot")) for name in JOINTS])
 """(25,) Which joints are of arms and legs."""
 
-FLESH_M = np.where(LIMBS, 0.13, 0.20)
-"""(25,) A ray that first meets the joint's own dancer so close before the joint counts as reaching it: a trunk is that
-thick, also seen from the side; a limb is not, and farther behind other flesh it is hidden by it (assumed)."""
+BODY_DEPTH_M = np.where(LIMBS, 0.13, 0.20)
+"""(25,) Largest distance between a joint and the surface of its own body in front of it at which the joint is visible
+[m]; assumed. A trunk is that thick, also from the side. A limb is thinner, and is occluded by its own trunk."""
 
 _TORSO_NAMES = ("SpineBase", "SpineMid", "SpineShoulder", "ShoulderLeft", "ShoulderRight", "HipLeft", "HipRight")
+
 TORSO = np.array([JOINT_INDEX[name] for name in _TORSO_NAMES])
-"""While any of these is visible, the person's hidden joints are known."""
+"""Joints of the torso. While any of them is visible, the person's occluded joints are known too."""
 
 
 @njit(cache=True, error_model="numpy")
-def observe(
-    truth: Array, around: IntArray, own: IntArray, visible: BoolArray, joints: Array, state: NDArray[np.int8],
-    frame: int,
-) -> None:  # fmt: skip
-    """Write every person's joints with their errors, and their states; NaN where a joint is not tracked.
+def observe_joints(
+    true_joints: Array,
+    geoms: IntArray,
+    shapes: Array,
+    geom_positions: Array,
+    geom_rotations: Array,
+    dancers: IntArray,
+    sensor: Array,
+    errors: Array,
+    noise: Array,
+    visible: BoolArray,
+    joints: Array,
+    state: NDArray[np.int8],
+) -> None:
+    """Write every person's joints with their errors, and their tracking states, for one frame.
 
     Args:
-        truth: (D, J, 3) world points [m].
-        around: a `Memory` of the four arrays of `types.Solids`.
-        own: a `Memory` of the sensor's: (P,) who is behind each person; the eye's numbers, (`EYE`,); everybody's
-            errors, (P, J, `ERRORS`), moved on; unit white noise, (F, P J, 3).
-        visible: (F, P, J) output, in view and not hidden.
-        joints: (F, P, J, 3) output, in the sensor's frame [m].
-        state: (F, P, J) output.
-        frame: which of the F frames to write.
+        true_joints: (D, J, 3) true joints in the world [m].
+        geoms: (G, 3) the first array of `Solids`.
+        shapes: (G, 7) the second array of `Solids`.
+        geom_positions: the third array of `Solids`.
+        geom_rotations: the fourth array of `Solids`.
+        dancers: (P,) dancer behind each person.
+        sensor: (`SENSOR_WIDTH`,) see `SensorColumn`.
+        errors: (P, J, `ERROR_WIDTH`) error states, updated in place; see `ErrorColumn`.
+        noise: (P J, 3) unit white noise.
+        visible: (P, J) output: in view and not occluded.
+        joints: (P, J, 3) output in the sensor's frame [m]; NaN where a joint is not tracked.
+        state: (P, J) output: tracking states.
     """
-    rows, shape, position, rotation = index_rows(around, 0), matrix(around, 1), matrix(around, 2), matrix(around, 3)
-    dancers, eye, errors, noise = indices(own, 0), vector(own, 1), cube(own, 2), cube(own, 3)
-    seen = np.empty((len(rows), PROJECTED_COLUMNS))
-    project_geoms(eye, rows, shape, position, rotation, seen)
-    each = truth.shape[1]
+    projected = np.empty((len(geoms), PROJECTED_COLUMNS))
+    project_geoms(sensor, geoms, shapes, geom_positions, geom_rotations, projected)
+
+    joint_count = true_joints.shape[1]
+    in_view = np.empty(joint_count, np.bool_)
     for p in range(len(dancers)):
-        dancer, body, mark = dancers[p], joints[frame, p], visible[frame, p]
-        in_view = _locate(truth[dancer], eye, body, mark)
-        mark_occluded(body, dancer, FLESH_M, rows, shape, seen, mark)
-        _age(errors[p], mark, noise[frame, p * each : (p + 1) * each])
-        _tell(errors[p], in_view, mark, body, state[frame, p])
+        dancer = dancers[p]
+        _transform(true_joints[dancer], sensor, joints[p], visible[p])
+        for j in range(joint_count):
+            in_view[j] = visible[p, j]
+        mark_occluded(joints[p], dancer, BODY_DEPTH_M, geoms, shapes, projected, visible[p])
+        _update_errors(errors[p], visible[p], noise[p * joint_count : (p + 1) * joint_count])
+        _add_errors(errors[p], in_view, visible[p], joints[p], state[p])
 
 
 @njit(cache=True, error_model="numpy")
-def _locate(points: Array, eye: Array, local: Array, mark: BoolArray) -> BoolArray:
-    """Write where world points are for a sensor, and mark which are in its field of view and range; a copy of marks."""
+def _transform(points: Array, sensor: Array, local: Array, in_view: BoolArray) -> None:
+    """Write world points in the sensor's frame, and which of them are in its field of view and range."""
     for j in range(len(points)):
-        x, y, z = points[j, 0] - eye[PLACE], points[j, 1] - eye[PLACE + 1], points[j, 2] - eye[PLACE + 2]
+        x = points[j, 0] - sensor[SensorColumn.POSITION]
+        y = points[j, 1] - sensor[SensorColumn.POSITION + 1]
+        z = points[j, 2] - sensor[SensorColumn.POSITION + 2]
         for k in range(3):
-            local[j, k] = eye[3 * k] * x + eye[3 * k + 1] * y + eye[3 * k + 2] * z
+            local[j, k] = sensor[3 * k] * x + sensor[3 * k + 1] * y + sensor[3 * k + 2] * z
+
         depth = local[j, 2]
-        wide, high = abs(local[j, 0]) <= eye[SLOPES] * depth, abs(local[j, 1]) <= eye[SLOPES + 1] * depth
-        mark[j] = wide and high and depth >= eye[RANGE] and depth <= eye[RANGE + 1]
-    return mark.copy()
+        in_width = abs(local[j, 0]) <= sensor[SensorColumn.TANGENTS] * depth
+        in_height = abs(local[j, 1]) <= sensor[SensorColumn.TANGENTS + 1] * depth
+        in_range = depth >= sensor[SensorColumn.RANGE] and depth <= sensor[SensorColumn.RANGE + 1]
+        in_view[j] = in_width and in_height and in_range
 
 
 @njit(cache=True, error_model="numpy")
-def _age(errors: Array, visible: BoolArray, noise: Array) -> None:
-    """Move one person's errors on, in place."""
+def _update_errors(errors: Array, visible: BoolArray, noise: Array) -> None:
+    """Advance one person's error states by a frame, in place."""
     for j in range(len(errors)):
-        aim = 1.0 if visible[j] else errors[j, HIDDEN]
-        errors[j, FACTOR] += errors[j, BLEND] * (aim - errors[j, FACTOR])
+        target = 1.0 if visible[j] else errors[j, ErrorColumn.OCCLUDED_SCALE]
+        errors[j, ErrorColumn.SCALE] += errors[j, ErrorColumn.GAIN] * (target - errors[j, ErrorColumn.SCALE])
         for k in range(3):
-            errors[j, DRIFT + k] = errors[j, KEPT] * errors[j, DRIFT + k] + errors[j, FRESH] * noise[j, k]
+            kept = errors[j, ErrorColumn.KEPT] * errors[j, ErrorColumn.DRIFT + k]
+            errors[j, ErrorColumn.DRIFT + k] = kept + errors[j, ErrorColumn.INNOVATION] * noise[j, k]
 
 
 @njit(cache=True, error_model="numpy")
-def _tell(errors: Array, in_view: BoolArray, visible: BoolArray, joints: Array, state: NDArray[np.int8]) -> None:
-    """Write one person's states, and add the errors to the joints that are known."""
-    known = False
+def _add_errors(errors: Array, in_view: BoolArray, visible: BoolArray, joints: Array, state: NDArray[np.int8]) -> None:
+    """Write one person's tracking states, and add the errors to the joints that are known."""
+    torso_visible = False
     for j in TORSO:
-        known = known or visible[j]
+        torso_visible = torso_visible or visible[j]
+
     for j in range(len(joints)):
-        if not (known and in_view[j]):
+        if not (torso_visible and in_view[j]):
             state[j] = NOT_TRACKED
-            joints[j, :] = np.nan
+            for k in range(3):
+                joints[j, k] = np.nan
             continue
-        factor = errors[j, FACTOR]
-        settled = visible[j] and factor <= SETTLED_FACTOR
-        state[j] = TRACKED if settled or errors[j, HELD] > 0.0 else INFERRED
+
+        scale = errors[j, ErrorColumn.SCALE]
+        settled = visible[j] and scale <= SETTLED_SCALE
+        state[j] = TRACKED if settled or errors[j, ErrorColumn.HELD] > 0.0 else INFERRED
         for k in range(3):
-            joints[j, k] += factor * (errors[j, BIAS + k] + errors[j, DRIFT + k])
+            joints[j, k] += scale * (errors[j, ErrorColumn.BIAS + k] + errors[j, ErrorColumn.DRIFT + k])

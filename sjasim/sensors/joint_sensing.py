@@ -1,194 +1,162 @@
-"""Joints sensing: the true joints, seen or hidden as rays tell, with the slow errors of a depth skeleton.
+"""Joint sensing: skeletons from true joints, with occlusion by ray casting and the slow errors of a depth skeleton.
 
-White noise of the same size would wreck the detectors (1 cm is enough); what depth skeletons really show is a
-constant bias and a slow drift, and both grow where a joint is hidden.
+A white noise of the same size would make the event detectors useless (1 cm is enough). The errors of real depth
+skeletons are a constant bias and a slow drift, and both grow where a joint is occluded.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..assets.names import JOINTS
 from ..choreography.layout import Mount
 from ..config import JointNoiseConfig, SensorConfig, SessionConfig
-from ..core import Array, BoolArray, IntArray, SceneView, Skeletons, Solids
-from ..core.memory import Memory
+from ..core import Array, BoolArray, IntArray, SceneView, Skeletons
 from ..core.registry import register
-from .joint_occlusion import (
-    BIAS,
-    BLEND,
-    DRIFT,
-    ERRORS,
-    EYE,
-    FACTOR,
-    HELD,
-    HIDDEN,
-    KEPT,
-    LIMBS,
-    PLACE,
-    RANGE,
-    SLOPES,
-    observe,
-)  # fmt: skip
+from .joint_occlusion import ERROR_WIDTH, LIMBS, SENSOR_WIDTH, ErrorColumn, SensorColumn, observe_joints
 
-T = TypeVar("T", bound=np.generic)
+TORSO_TIME_CONSTANT_S = 0.75
+"""Time constant with which the errors of a torso joint grow or shrink when it is occluded or comes back; assumed.
 
-TORSO_BLEND_S = 0.75
-"""Time constant with which an error grows or shrinks when a joint is hidden or seen again (assumed).
-
-A hidden torso joint is off by some 1.5 cm more than a visible one; spread over .75 s that is 2 cm/s, 5 at most, far
-below the .20 m/s of a move and the .15 m/s of an early event.
+An occluded torso joint is off by some 1.5 cm more than a visible one. Spread over .75 s that is 2 cm/s, 5 at most, far
+below the .20 m/s that start a move and the .15 m/s of an early event.
 """
 
-HAND_BLEND_S = 0.15
-"""The same for elbows, wrists and hands, which no motion event looks at (assumed)."""
+ARM_TIME_CONSTANT_S = 0.15
+"""The same for elbows, wrists and hands, which no detector of moves reads; assumed."""
 
-_BLOCK_FRAMES = 32
-"""Noise is drawn, and room made, for so many frames at a time: that is cheaper."""
+NOISE_BLOCK_FRAMES = 32
+"""Noise is drawn for this many frames at a time, which is faster than frame by frame."""
 
-_ARM = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb")) for name in JOINTS])
+ARMS = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb")) for name in JOINTS])
+"""(25,) Which joints are of arms."""
 
 
 @register("sensing", "joints")
 class JointSensing:
-    """One sensor's skeletons of everybody on the stage, from the truth.
+    """Skeletons of all dancers as one sensor would estimate them, made from the true joints.
 
-    A joint is *visible* if it lies in the field of view and range and the ray to it meets nothing before it but
-    its own dancer's flesh. Visible joints are tracked. While some of the torso is visible a hidden joint is known all
-    the same: one of the arms is inferred (until a moment after it comes back: see `sight.SETTLED_FACTOR`), any other
-    is held in its place by the rest of the body and tracked, as by ``depth`` sensing. Out of view, or with the torso
-    hidden too, a joint is not tracked and its position is NaN. Left and right are never confused, which a real sensor
-    does behind a person's back.
+    A joint is *visible* if it lies in the field of view and range and the ray to it meets nothing but its own dancer's
+    body close in front of it. Visible joints are tracked. While some of the torso is visible an occluded joint is known
+    too: a joint of an arm is inferred (until a moment after it comes back, see `joint_occlusion.SETTLED_SCALE`); any
+    other is held in its place by the rest of the body and tracked, as with depth sensing. A joint that is out of view,
+    or whose torso is occluded too, is not tracked and its position is NaN. Left and right are never confused, which a
+    real sensor does behind a person's back.
 
-    Errors are the sensor's own: a constant bias per person and joint, and a drift, other for limbs than for the rest,
-    that follows a first-order autoregression over elapsed frames, also those that were lost or not taken; both times
-    a factor that moves smoothly from 1 (visible) to ``occluded_factor`` (hidden).
+    Each sensor has errors of its own: a constant bias for each person and joint, and a drift that is a first-order
+    autoregression over elapsed frames, lost and skipped ones included. Both are multiplied by a scale that moves
+    smoothly between 1 (visible) and ``joint_noise.occluded_factor`` (occluded).
 
     Args:
         mount: where the sensor is.
         config: the session, of which it takes ``dancers``, ``sensors`` and ``joint_noise``.
-        rng: the sensor's own random stream; identities, errors and loss draw from separate children of it.
+        rng: the sensor's own random stream; identities, errors and losses draw from separate children of it.
 
     Attributes:
-        dancers: (P,) index of the dancer behind each row. Only for the record: it is what a server has to find out.
-        visible: (P, 25) what the last frame could see.
+        dancers: (P,) dancer behind each row. Only for the record: it is what the server has to find out.
+        visible: (P, 25) which joints were visible in the last frame.
     """
 
     def __init__(self, mount: Mount, config: SessionConfig, rng: np.random.Generator) -> None:
-        group, sensors, noise = config.dancers, config.sensors, config.joint_noise
         order, self._draws, self._losses = rng.spawn(3)
-        self.dancers: IntArray = order.permutation(group).astype(np.int64)
-        self._shape = (group, len(JOINTS))
-        self.visible: BoolArray = np.zeros(self._shape, dtype=bool)
-        self._joint_noise = noise
-        self._loss, self._rate_hz = sensors.frame_loss, sensors.rate_hz
-        self._persons: IntArray = np.arange(group, dtype=np.int64)
+        persons = config.dancers
+        self.dancers: IntArray = order.permutation(persons).astype(np.int64)
+        self.visible: BoolArray = np.zeros((persons, len(JOINTS)), dtype=bool)
+        self._persons: IntArray = np.arange(persons, dtype=np.int64)
         self._persons.flags.writeable = False
-        self._eye = _eye(mount, sensors)
-        self._errors = np.zeros((*self._shape, ERRORS))
-        self._errors[:, :, BIAS:DRIFT] = noise.bias_m * self._normal()
-        drift_m = np.where(LIMBS, noise.limb_drift_m, noise.drift_m)
-        self._errors[:, :, DRIFT:FACTOR] = drift_m[:, None] * self._normal()
-        self._errors[:, :, HIDDEN] = np.where(_ARM, noise.occluded_factor_hand, noise.occluded_factor)
-        self._errors[:, :, BLEND] = self._errors[:, :, KEPT] = 1.0  # at first they are as that sight leaves them
-        self._errors[:, :, HELD] = ~_ARM
-        self._solids: Solids | None = None
-        self._around = Memory()
+
+        self._joint_noise = config.joint_noise
+        self._frame_loss = config.sensors.frame_loss
+        self._rate_hz = config.sensors.rate_hz
+        self._sensor = _sensor_numbers(mount, config.sensors)
+        self._errors = self._initial_errors(persons, config.joint_noise)
+
         self._t_s = -math.inf
-        self._frames = 0
-        self._paces: dict[int, Array] = {}
-        self._noise = np.zeros((_BLOCK_FRAMES, group * len(JOINTS), 3))
-        self._own = Memory(self.dancers, self._eye, self._errors, self._noise)
-        self._room = _Room(1, group)
+        self._interval_frames = 0
+        self._intervals: dict[int, Array] = {}
+        self._noise = np.zeros((NOISE_BLOCK_FRAMES, persons * len(JOINTS), 3))
+        self._noise_left = 1
+
+    def _initial_errors(self, persons: int, noise: JointNoiseConfig) -> Array:
+        """(P, 25, `ERROR_WIDTH`) error states at the start: bias and drift drawn, every joint as visible."""
+        errors = np.zeros((persons, len(JOINTS), ERROR_WIDTH))
+        shape = (persons, len(JOINTS), 3)
+        errors[:, :, ErrorColumn.BIAS : ErrorColumn.DRIFT] = noise.bias_m * self._draws.standard_normal(shape)
+        drift_m = np.where(LIMBS, noise.limb_drift_m, noise.drift_m)
+        errors[:, :, ErrorColumn.DRIFT : ErrorColumn.SCALE] = drift_m[:, None] * self._draws.standard_normal(shape)
+        errors[:, :, ErrorColumn.OCCLUDED_SCALE] = np.where(ARMS, noise.occluded_factor_hand, noise.occluded_factor)
+        errors[:, :, ErrorColumn.HELD] = ~ARMS
+
+        # The first frame jumps to the scale that visibility asks for, and leaves the drift as it is.
+        errors[:, :, ErrorColumn.GAIN] = 1.0
+        errors[:, :, ErrorColumn.KEPT] = 1.0
+        return errors
 
     def sample(self, view: SceneView) -> Skeletons | None:
-        """See the stage at this instant.
+        """Estimate the skeletons of this instant.
 
         Args:
-            view: the stage; times of successive calls must not fall.
+            view: the scene; times of successive calls must not decrease.
 
         Returns:
             the skeletons, or None if the frame was lost.
         """
-        if self._loss and self._losses.random() < self._loss:
+        if self._frame_loss and self._losses.random() < self._frame_loss:
             return None
-        t_s, before_s = view.time_s, self._t_s
-        self._t_s = t_s
-        if before_s > -math.inf:
-            frames = max(1, round((t_s - before_s) * self._rate_hz))
-            if frames != self._frames:
-                self._pace(frames)
-            if not self._room.left:
-                self._draws.standard_normal(out=self._noise)
-                self._room = _Room(_BLOCK_FRAMES, len(self.dancers))
-        solids, room = view.solids, self._room
-        if solids is not self._solids:
-            self._solids, self._around = solids, Memory(*solids)
-        room.left = frame = room.left - 1
-        observe(view.joints_m, self._around.table, self._own.table, *room.arrays, frame)
-        visible, joints, state = room.told
-        self.visible = visible[frame]
-        return Skeletons(self._persons, joints[frame], state[frame])
 
-    def _pace(self, frames: int) -> None:
-        """Let errors move as they do in so many frames; an idle sensor's intervals alternate."""
-        self._frames = frames
-        if frames not in self._paces:
-            self._paces[frames] = _pace(self._joint_noise, self._rate_hz, frames)
-        self._errors[:, :, BLEND:HELD] = self._paces[frames]
+        first = self._t_s == -math.inf
+        if not first:
+            self._set_interval(max(1, round((view.time_s - self._t_s) * self._rate_hz)))
+        self._t_s = view.time_s
 
-    def _normal(self) -> Array:
-        """(P, 25, 3) unit white noise."""
-        return self._draws.standard_normal((*self._shape, 3))
+        shape = self.visible.shape
+        visible = np.empty(shape, bool)
+        joints = np.empty((*shape, 3))
+        state = np.empty(shape, np.int8)
+        noise = self._next_noise()
+        observe_joints(
+            view.joints_m, *view.solids, self.dancers, self._sensor, self._errors, noise, visible, joints, state
+        )
+        for array in (visible, joints, state):
+            array.flags.writeable = False
+        self.visible = visible
+        return Skeletons(self._persons, joints, state)
 
+    def _set_interval(self, frames: int) -> None:
+        """Set how the errors change over this many frames; the intervals of a standby sensor alternate."""
+        if frames == self._interval_frames:
+            return
+        self._interval_frames = frames
+        if frames not in self._intervals:
+            self._intervals[frames] = _interval_columns(self._joint_noise, self._rate_hz, frames)
+        self._errors[:, :, ErrorColumn.GAIN : ErrorColumn.HELD] = self._intervals[frames]
 
-class _Room:
-    """Where frames are written to, from the last to the first, and the same for whoever is told of them.
-
-    Args:
-        frames: how many.
-        group: number of persons.
-
-    Attributes:
-        left: how many frames are not written yet.
-        arrays: what is visible, joints and states.
-        told: the same, not to be written.
-    """
-
-    __slots__ = ("arrays", "left", "told")
-
-    def __init__(self, frames: int, group: int) -> None:
-        self.left = frames
-        shape = (frames, group, len(JOINTS))
-        visible, joints, state = np.empty(shape, bool), np.empty((*shape, 3)), np.empty(shape, np.int8)
-        self.arrays = visible, joints, state
-        self.told = _frozen(visible), _frozen(joints), _frozen(state)
+    def _next_noise(self) -> Array:
+        """(P 25, 3) unit white noise of the next frame; the first frame needs none and takes zeros."""
+        if not self._noise_left:
+            self._draws.standard_normal(out=self._noise)
+            self._noise_left = NOISE_BLOCK_FRAMES
+        self._noise_left -= 1
+        noise: Array = self._noise[self._noise_left]
+        return noise
 
 
-def _pace(config: JointNoiseConfig, rate_hz: int, frames: int) -> Array:
-    """(25, 3) share of the factor's way in so many frames, share of the drift that is kept, what comes anew [m]."""
-    kept = np.where(LIMBS, config.limb_drift_correlation, config.drift_correlation) ** frames
-    blend = 1.0 - np.exp(-frames / rate_hz / np.where(_ARM, HAND_BLEND_S, TORSO_BLEND_S))
-    drift_m = np.where(LIMBS, config.limb_drift_m, config.drift_m)
-    return np.stack([blend, kept, drift_m * np.sqrt(1.0 - kept**2)], axis=1)
+def _interval_columns(noise: JointNoiseConfig, rate_hz: int, frames: int) -> Array:
+    """(25, 3) columns GAIN, KEPT and INNOVATION of the error states for an interval of some frames."""
+    kept = np.where(LIMBS, noise.limb_drift_correlation, noise.drift_correlation) ** frames
+    gain = 1.0 - np.exp(-frames / rate_hz / np.where(ARMS, ARM_TIME_CONSTANT_S, TORSO_TIME_CONSTANT_S))
+    drift_m = np.where(LIMBS, noise.limb_drift_m, noise.drift_m)
+    return np.stack([gain, kept, drift_m * np.sqrt(1.0 - kept**2)], axis=1)
 
 
-def _eye(mount: Mount, config: SensorConfig) -> Array:
-    """The numbers of an eye; see `sight.EYE`."""
-    out = np.zeros(EYE)
-    out[:PLACE] = mount.world_from_sensor.T.reshape(-1)
-    out[PLACE:SLOPES] = mount.position
-    out[SLOPES:RANGE] = math.tan(config.horizontal_fov_rad / 2), math.tan(config.vertical_fov_rad / 2)
-    out[RANGE:EYE] = config.min_range_m, config.max_range_m
-    return out
-
-
-def _frozen(values: NDArray[T]) -> NDArray[T]:
-    """The same values, not to be written."""
-    out = values.view()
-    out.flags.writeable = False
+def _sensor_numbers(mount: Mount, config: SensorConfig) -> Array:
+    """(`SENSOR_WIDTH`,) numbers that describe a sensor, see `SensorColumn`."""
+    out = np.zeros(SENSOR_WIDTH)
+    out[SensorColumn.ROTATION : SensorColumn.POSITION] = mount.world_from_sensor.T.reshape(-1)
+    out[SensorColumn.POSITION : SensorColumn.TANGENTS] = mount.position
+    out[SensorColumn.TANGENTS] = math.tan(config.horizontal_fov_rad / 2)
+    out[SensorColumn.TANGENTS + 1] = math.tan(config.vertical_fov_rad / 2)
+    out[SensorColumn.RANGE :] = config.min_range_m, config.max_range_m
     return out

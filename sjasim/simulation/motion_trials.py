@@ -58,7 +58,7 @@ class OpenLoopWorld(PhysicsWorld):
 
     def look(self, now: float) -> None:
         """Nobody does; but what the floor carries is felt."""
-        self.physics.feel()
+        self.physics.measure_load()
 
     def drive(self, now: float) -> None:
         """See `PhysicsWorld`."""

@@ -1,4 +1,4 @@
-"""The stage: sole owner of the MuJoCo model and its state, sole caller of the physics step."""
+"""MuJoCo model and state of one session: its only owner, and the only caller of the physics step."""
 
 from __future__ import annotations
 
@@ -8,96 +8,57 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from ..assets.names import (
-    ACTUATED,
-    FLOOR_BIT,
-    JOINT_INDEX,
-    JOINTS,
-    ROBOT_PREFIX,
-    ROOT_JOINTS,
-    TETHERED,
-    dancer_prefix,
-)
+from ..assets.names import ACTUATED, FLOOR_BIT, dancer_prefix
 from ..choreography.layout import Layout
 from ..config import BodyConfig, PhysicsConfig, RobotConfig
-from ..core import Array, DancerStates, Geoms, IntArray, Servos, Solids, WheelCommand
+from ..core import Array, DancerStates, Geoms, Servos, Solids, WheelCommand, WheelReading
+from ..core.bodies import DANCER_STATE_WIDTH
 from ..core.clock import Ticks
 from ..core.errors import SjasimError
-from ..core.memory import Memory
 from ..humans.body.anatomy import Anatomy
 from ..humans.body.body_model import BodyModel, body_model
-from ..robot.mjcf import robot_spec
 from ..sensors.raycast.occlusion import bounding_shapes
 from .contacts import Contacts
-from .state_access import PELVIS, RATES, feel, gather
+from .scene import scene_spec
+from .state_access import DancerIndices, RobotIndices, read_dancer_states
 
-_FLOOR = (0.74, 0.72, 0.69), (0.66, 0.64, 0.61)
-_SKY = (0.80, 0.86, 0.92), (0.97, 0.97, 0.96)
-LYING_ARMATURE, LYING_DAMPING = 0.5, 20.0
-"""Inertia [kg m^2] and damping [Nm s/rad] about a lying body's three axes, two of which may be one (assumed)."""
-_LOGGED = [JOINT_INDEX[name] for name in ("AnkleLeft", "AnkleRight", "HandLeft", "HandRight")]
+GRAVITY_M_S2 = 9.81
 
+LYING_ARMATURE = 0.5
+"""Inertia about each of the three axes of a fallen dancer's root [kg m^2]; assumed. With a body on its face yaw and
+roll are one axis, and without this inertia the root's rates would grow without bound."""
 
-def scene_spec(
-    anatomies: Sequence[Anatomy], layout: Layout, body: BodyConfig, robot: RobotConfig | None, rate_hz: int
-) -> mujoco.MjSpec:
-    """The whole scene: floor, light, dancers, and a robot unless it is None."""
-    spec = mujoco.MjSpec()
-    spec.option.timestep = 1.0 / rate_hz
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    spec.option.solver = mujoco.mjtSolver.mjSOL_NEWTON
-    spec.option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
-    _light(spec)
-    spec.worldbody.add_geom(
-        name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 0.1], material="floor", contype=FLOOR_BIT,
-        conaffinity=0, friction=[1.0, 0.005, 0.0001],
-    )  # fmt: skip
-    for index, anatomy in enumerate(anatomies):
-        child = body_model(body.model).spec(anatomy, index, len(anatomies), body)
-        spec.attach(child, prefix=dancer_prefix(index), frame=spec.worldbody.add_frame())
-    if robot is not None:
-        frame = spec.worldbody.add_frame(pos=[*layout.robot, 0.0])
-        spec.attach(robot_spec(robot), prefix=ROBOT_PREFIX, frame=frame)
-    return spec
+LYING_DAMPING = 20.0
+"""Damping about the same axes [Nm s/rad]; assumed."""
 
-
-def _light(spec: mujoco.MjSpec) -> None:
-    """Sky, floor and lamps; nothing that a ray or the physics could meet."""
-    spec.visual.global_.offwidth, spec.visual.global_.offheight = 1280, 960
-    spec.visual.headlight.ambient, spec.visual.headlight.diffuse = [0.45] * 3, [0.30] * 3
-    spec.visual.headlight.specular = [0.0] * 3
-    spec.visual.quality.shadowsize = 4096
-    spec.visual.rgba.haze, spec.visual.map.haze = [*_SKY[1], 1.0], 0.5
-    spec.stat.center, spec.stat.extent = [0.0, 0.0, 0.8], 6.0  # the shadows' and the far plane's measure
-    cube, plane = mujoco.mjtTexture.mjTEXTURE_SKYBOX, mujoco.mjtTexture.mjTEXTURE_2D
-    gradient, checker = mujoco.mjtBuiltin.mjBUILTIN_GRADIENT, mujoco.mjtBuiltin.mjBUILTIN_CHECKER
-    spec.add_texture(name="sky", type=cube, builtin=gradient, width=128, height=768, rgb1=_SKY[0], rgb2=_SKY[1])
-    spec.add_texture(name="floor", type=plane, builtin=checker, width=256, height=256, rgb1=_FLOOR[0], rgb2=_FLOOR[1])
-    material = spec.add_material(name="floor", texrepeat=[0.5, 0.5], texuniform=True)
-    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
-    lamp = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
-    spec.worldbody.add_light(pos=[3, 1.5, 8], dir=[-0.4, -0.2, -1], type=lamp, diffuse=[0.5] * 3, specular=[0.1] * 3)
+COLLISION_GROUP = 3
+"""MuJoCo's group of geoms that only collide; sensors do not see them."""
 
 
 class Physics:
-    """Physics of one session. Sensors see it through the read-only part that `types.SceneView` names.
+    """Physics of one session. Sensors read it through the protocol `SceneView`.
+
+    MuJoCo's arrays stay where they are for as long as the data lives, so views of them are kept.
 
     Args:
-        anatomies: one per dancer.
-        layout: where everyone stands.
+        anatomies: one for each dancer.
+        layout: places of dancers and robot.
         headings_rad: initial headings of the dancers and of the robot.
-        postures: (D, 25) hinge angles at the start [rad].
-        pelvises: (D, 3) positions at the start [m].
+        postures: (D, 25) initial angles of the planned hinges [rad].
+        pelvises: (D, 3) initial positions of the pelvises [m].
         config: rates.
-        body: tether.
-        robot: its parameters, or None for a stage without a robot.
+        body: body model and balance support.
+        robot: parameters of the robot, or None for a scene without one.
 
     Attributes:
-        direct: whether the bodies' hinges are the planned ones.
-        where: (D, ...) addresses of what belongs to each dancer, see `addresses.PELVIS`.
-        felt: all that `addresses.gather` takes but its output.
-        ctrl: the physics' own array of actuator commands.
-        robot: what its turn reads: coordinates, sensors, places and attitudes of bodies, and its addresses.
+        model: MuJoCo's model.
+        data: MuJoCo's state.
+        ticks: converts physics steps to session time.
+        tick: physics steps so far.
+        time_s: session time: ticks over rate.
+        contacts: where the robot touches dancers.
+        servos: the dancers' actuators, for the balance controller.
+        solids: geoms that can occlude something, see `SceneView`.
     """
 
     def __init__(
@@ -111,214 +72,249 @@ class Physics:
         body: BodyConfig,
         robot: RobotConfig | None,
     ) -> None:
+        self.ticks = Ticks(config.rate_hz)
+        self.tick = 0
+        self.time_s = 0.0
         self._body: BodyModel = body_model(body.model)
         self.model = scene_spec(anatomies, layout, body, robot, config.rate_hz).compile()
         self.data = mujoco.MjData(self.model)
-        self.ticks = Ticks(config.rate_hz)
-        d = self.data  # its arrays stay where they are, and looking them up costs more than reading them
-        self._qpos, self._qvel, self.ctrl, self._xpos, self._xmat = d.qpos, d.qvel, d.ctrl, d.xpos, d.xmat
-        self._warning = d.warning[mujoco.mjtWarning.mjWARN_BADQACC]
-        self._joints: Array = np.empty(0)
-        self._joints_tick = -1
-        self.tick = 0
-        self.time_s = 0.0
-        """Session time: ticks over rate [s]."""
-        self.has_robot = robot is not None
-        self._index(len(anatomies), body.balance_support == "weak")
+        self._qacc_warning = self.data.warning[mujoco.mjtWarning.mjWARN_BADQACC]
+
+        tethered = body.balance_support == "weak"
+        self._dancers = DancerIndices.of(self.model, self._body, len(anatomies), tethered=tethered)
+        self._robot = None if robot is None else RobotIndices.of(self.model)
+        self._prepare_states()
+        self._prepare_targets()
+        self.solids = self._visible_geoms()
         self._place(headings_rad, postures, pelvises)
-        self.contacts = Contacts(self.model, d, self._shell, np.flatnonzero(self._owner >= 0), self._base)
-        """Where the robot touches dancers."""
-        leads, pelvis = self._leads(), self.where[:, PELVIS]
-        weight = self.model.body_subtreemass[pelvis] * 9.81
-        leg = np.array([anatomy.thigh_m + anatomy.shank_m for anatomy in anatomies])
-        self.servos = Servos(self._stiffness, leads[0], leads[1], weight, leg)
 
-    def _index(self, dancers: int, tethered: bool) -> None:
-        m = self.model
-        prefixes = [dancer_prefix(index) for index in range(dancers)]
-        pelvis = np.array([m.body(f"{p}pelvis").id for p in prefixes])
-        self._sites = np.array([[m.site(p + joint).id for joint in JOINTS] for p in prefixes])
-        hinges, leading = self._body.hinges, self._body.leading
-        self._shape = (dancers, len(JOINTS), 3)
-        self._hinges = np.array([[m.joint(p + name).qposadr[0] for name in hinges] for p in prefixes])
-        self._root = np.array([[m.joint(p + name).qposadr[0] for name in ROOT_JOINTS] for p in prefixes])
-        root_dof = np.array([[m.joint(p + name).dofadr[0] for name in ROOT_JOINTS] for p in prefixes])
-        self._servo = np.array([[m.actuator(p + name).id for name in hinges] for p in prefixes])
-        self._leading = np.array([[m.actuator(p + name).id for name in leading] for p in prefixes])
-        self._stiffness = m.actuator_gainprm[self._leading, 0]
-        pulls = [[m.actuator(p + name).id for name in TETHERED] for p in prefixes] if tethered else []
-        self._tether: IntArray = np.array(pulls, dtype=np.int64).reshape(-1, 5)
-        self._tethered = tethered
-        wires = self._tether if tethered else np.full((dancers, 5), -1)
-        body = np.column_stack([pelvis, m.body_rootid[pelvis], [_behind(m, body) for body in pelvis]])
-        self.direct = tuple(hinges) == ACTUATED
-        servos = self._servo if self.direct else np.full((dancers, len(ACTUATED)), -1)
-        self.where = np.hstack([body, self._root, root_dof, self._sites[:, _LOGGED], servos, wires]).astype(np.int64)
-        masses = np.concatenate([m.body_mass, m.body_subtreemass[pelvis]])
-        self._load = np.zeros(dancers)
-        d = self.data
-        sites, lifts = self._sites.astype(np.int64), root_dof[:, 2].astype(np.int64)
-        self._looks = Memory(d.site_xpos, sites, d.qfrc_constraint, lifts, self._load)
-        self.felt = (
-            d.subtree_com, d.cvel, d.xipos, d.qpos, d.qvel, d.site_xpos, d.actuator_force, self._load, masses,
-            m.body_parentid.astype(np.int64), np.zeros((m.nbody, 3)), self.where,
-        )  # fmt: skip
-        owner = np.full(m.ngeom, -1, dtype=np.int64)
-        names = [m.geom(geom).name for geom in range(m.ngeom)]
-        self._shell = np.flatnonzero([name.startswith(ROBOT_PREFIX) for name in names])
-        for index, prefix in enumerate(prefixes):
-            owner[[name.startswith(prefix) for name in names]] = index
-        self._solid = np.flatnonzero((m.geom_group != 3) & (m.geom_rgba[:, 3] > 0))
-        self._positions, self._rotations = self.data.geom_xpos, self.data.geom_xmat
-        self._form, self._size = m.geom_type[self._solid].astype(np.int64), m.geom_size[self._solid]
-        self._owner, self._solid_owner = owner, owner[self._solid]
-        rows = np.column_stack([self._solid, self._solid_owner, self._form])
-        self.solids = Solids(rows, bounding_shapes(self._form, self._size), self._positions, self._rotations)
-        """All that can hide something; see `types.SceneView`."""
-        self._base = m.body(f"{ROBOT_PREFIX}base").id if self.has_robot else 0
-        if self.has_robot:
-            wheels = [f"{ROBOT_PREFIX}{name}" for name in ("wheel_l", "wheel_r")]
-            self._wheels = [m.actuator(name).id for name in wheels]
-            angles, gyro = [m.joint(name).qposadr[0] for name in wheels], m.sensor(f"{ROBOT_PREFIX}gyro").adr[0] + 2
-            where = np.array([*angles, gyro, self._base, *self._wheels])
-            self.robot = d.qpos, d.sensordata, d.xpos, d.xmat, where
+        robot_geoms = np.zeros(0, dtype=np.int64) if self._robot is None else self._robot.geoms
+        dancer_geoms = np.flatnonzero(self._dancers.geom_owner >= 0)
+        base = 0 if self._robot is None else self._robot.base
+        self.contacts = Contacts(self.model, self.data, robot_geoms, dancer_geoms, base)
+        self.servos = self._servos(anatomies)
 
-    def _leads(self) -> tuple[Array, Array]:
-        gain, bias = self.model.actuator_gainprm, self.model.actuator_biasprm
-        root = np.zeros((len(self.where), 5))
-        if self._tethered:
-            root = -bias[self._tether, 2] / gain[self._tether, 0]
-        return -bias[self._leading, 2] / self._stiffness, root
+    @property
+    def has_robot(self) -> bool:
+        """Whether there is a robot in the scene."""
+        return self._robot is not None
+
+    def _prepare_states(self) -> None:
+        """Collect what `read_dancer_states` needs, and work space."""
+        model, dancers = self.model, self._dancers
+        count = len(dancers.pelvis)
+        self._joints_m: Array = np.empty(0)
+        self._joints_tick = -1
+        self._load_n = np.zeros(count)
+        self._lift_dof = dancers.root_dof[:, 2]
+        self._masses = np.concatenate([model.body_mass, model.body_subtreemass[dancers.pelvis]])
+        self._parents = model.body_parentid.astype(np.int64)
+        self._momentum = np.zeros((model.nbody, 3))
+
+    def _prepare_targets(self) -> None:
+        """Find the actuators that take the balance controller's targets."""
+        self._planned_hinges = tuple(self._body.hinges) == ACTUATED
+        self._target_actuators, self._target_places = self._dancers.target_actuators(
+            planned_hinges=self._planned_hinges
+        )
+
+    def _visible_geoms(self) -> Solids:
+        """Geoms that a sensor sees, which are also those that occlude."""
+        model = self.model
+        self._visible = np.flatnonzero((model.geom_group != COLLISION_GROUP) & (model.geom_rgba[:, 3] > 0))
+        self._geom_type = model.geom_type[self._visible].astype(np.int64)
+        self._geom_size = model.geom_size[self._visible]
+        self._geom_owner = self._dancers.geom_owner[self._visible]
+        rows = np.column_stack([self._visible, self._geom_owner, self._geom_type])
+        return Solids(rows, bounding_shapes(self._geom_type, self._geom_size), self.data.geom_xpos, self.data.geom_xmat)
+
+    def _servos(self, anatomies: Sequence[Anatomy]) -> Servos:
+        """Stiffness and feed-forward time (damping over stiffness) of the dancers' actuators."""
+        gain = self.model.actuator_gainprm
+        bias = self.model.actuator_biasprm
+        leading, tether = self._dancers.leading_actuators, self._dancers.tether_actuators
+        stiffness = gain[leading, 0]
+        root_lead = -bias[tether, 2] / gain[tether, 0] if len(tether) else np.zeros((len(anatomies), 5))
+        return Servos(
+            stiffness=stiffness,
+            lead=-bias[leading, 2] / stiffness,
+            root_lead=root_lead,
+            weight=self.model.body_subtreemass[self._dancers.pelvis] * GRAVITY_M_S2,
+            leg=np.array([anatomy.thigh_m + anatomy.shank_m for anatomy in anatomies]),
+        )
 
     def _place(self, headings_rad: tuple[float, float], postures: Array, pelvises: Array) -> None:
-        d = self.data
-        heading_rad, robot_rad = headings_rad
-        d.qpos[self._hinges] = self._body.angles(postures)
-        d.qpos[self._root[:, :3]] = pelvises
-        d.qpos[self._root[:, 3]] = heading_rad
-        if self.has_robot:
-            address = self.model.joint(f"{ROBOT_PREFIX}root").qposadr[0]
-            half = robot_rad / 2
-            d.qpos[address + 3 : address + 7] = [np.cos(half), 0.0, 0.0, np.sin(half)]
-        d.ctrl[self._servo] = d.qpos[self._hinges]
-        if self._tethered:
-            d.ctrl[self._tether[:, :2]] = pelvises[:, :2]
-            d.ctrl[self._tether[:, 2]] = heading_rad
-        mujoco.mj_forward(self.model, d)
+        """Put everybody in their initial pose, with targets that hold it."""
+        dancers, qpos, ctrl = self._dancers, self.data.qpos, self.data.ctrl
+        heading_rad, robot_heading_rad = headings_rad
+        qpos[dancers.hinge_qpos] = self._body.angles(postures)
+        qpos[dancers.root_qpos[:, :3]] = pelvises
+        qpos[dancers.root_qpos[:, 3]] = heading_rad
+        if self._robot is not None:
+            quaternion = self._robot.root_qpos + 3
+            half_rad = robot_heading_rad / 2
+            qpos[quaternion : quaternion + 4] = [np.cos(half_rad), 0.0, 0.0, np.sin(half_rad)]
+
+        ctrl[dancers.hinge_actuators] = qpos[dancers.hinge_qpos]
+        if len(dancers.tether_actuators):
+            ctrl[dancers.tether_actuators[:, :2]] = pelvises[:, :2]
+            ctrl[dancers.tether_actuators[:, 2]] = heading_rad
+        mujoco.mj_forward(self.model, self.data)
 
     def pose(self, joints: Array, roots: Array, robot: tuple[float, float, float] | None = None) -> None:
-        """Put everyone in a posture without physics, for pictures of bodies that need not balance.
+        """Put everybody in a posture without physics, for pictures of bodies that need not balance.
 
         Args:
-            joints: (D, 25) hinge angles [rad].
+            joints: (D, 25) angles of the planned hinges [rad].
             roots: (D, 6) pelvis x, y, z [m], yaw, pitch, roll [rad].
             robot: its position and heading [m, m, rad]; None leaves it where it is.
         """
-        d = self.data
-        d.qpos[self._hinges] = self._body.angles(joints)
-        d.qpos[self._root] = roots
-        if robot is not None and self.has_robot:
-            address = self.model.joint(f"{ROBOT_PREFIX}root").qposadr[0]
-            d.qpos[address : address + 2] = robot[:2]
-            d.qpos[address + 3 : address + 7] = [np.cos(robot[2] / 2), 0.0, 0.0, np.sin(robot[2] / 2)]
-        mujoco.mj_kinematics(self.model, d)
+        qpos = self.data.qpos
+        qpos[self._dancers.hinge_qpos] = self._body.angles(joints)
+        qpos[self._dancers.root_qpos] = roots
+        if robot is not None and self._robot is not None:
+            root = self._robot.root_qpos
+            qpos[root : root + 2] = robot[:2]
+            qpos[root + 3 : root + 7] = [np.cos(robot[2] / 2), 0.0, 0.0, np.sin(robot[2] / 2)]
+        mujoco.mj_kinematics(self.model, self.data)
         self._joints_tick = -1
 
     def step_to(self, tick: int) -> None:
-        """Advance the physics to a tick."""
+        """Advance the physics to a tick; nothing happens if it has been reached."""
         if tick > self.tick:
             mujoco.mj_step(self.model, self.data, tick - self.tick)
             self.tick = tick
             self.time_s = self.ticks.time_s(tick)
 
     def check(self) -> None:
-        """Make sure that the physics is still sound; now and then is enough.
+        """Check that the simulation is still stable; a few times a second is often enough.
 
         Raises:
             SjasimError: the simulation became unstable.
         """
-        if self._warning.number:
+        if self._qacc_warning.number:
             raise SjasimError(f"the physics became unstable before {self.time_s:.2f} s")
 
     def states(self) -> DancerStates:
-        """What balance needs of every dancer, and the record."""
-        rows = np.empty((len(self.where), 36))
-        gather(*self.felt, rows)
+        """States of all dancers at this tick."""
+        data = self.data
+        rows = np.empty((len(self._load_n), DANCER_STATE_WIDTH))
+        read_dancer_states(
+            data.qpos,
+            data.qvel,
+            data.subtree_com,
+            data.cvel,
+            data.xipos,
+            data.site_xpos,
+            data.actuator_force,
+            self._masses,
+            self._parents,
+            self._load_n,
+            self._dancers.kernel,
+            self._momentum,
+            rows,
+        )
         return DancerStates(rows)
 
-    def feel(self) -> None:
-        """Take what the floor carries at this moment, for the states to come, and where joints are.
+    def measure_load(self) -> None:
+        """Measure what the floor carries of each dancer, for the states that are read from now on.
 
-        Forces at the balance controller's own ticks would be those of targets as old as they get; so somebody who is
-        out of step with it asks. Only soles meet the floor: beside a brush with somebody else, all that holds a body
-        up at its root is what its feet carry.
+        It is measured between the ticks of the balance controller, since at these the joint targets are a whole
+        control step old. Only soles meet the floor, so the constraint force on the root's vertical is what the feet
+        carry, but for contacts with other bodies.
         """
-        joints = np.empty(self._shape)
-        feel(joints, self._looks.table)
-        self._keep(joints)
+        self._load_n[:] = self.data.qfrc_constraint[self._lift_dof]
 
-    def bend(self, joints: Array) -> None:
-        """Set the hinge servos of bodies that are not `direct`, for targets (D, 25) of the planned hinges [rad]."""
-        self.ctrl[self._servo] = self._body.angles(joints)
+    def write_targets(self, targets: Array) -> None:
+        """Set the dancers' actuators.
+
+        Args:
+            targets: (D, 30) angles of the planned hinges [rad], then targets of the tether.
+        """
+        ctrl = self.data.ctrl
+        ctrl[self._target_actuators] = targets.reshape(-1)[self._target_places]
+        if not self._planned_hinges:
+            ctrl[self._dancers.hinge_actuators] = self._body.angles(targets[:, : len(ACTUATED)])
 
     def drive(self, command: WheelCommand) -> None:
         """Set the robot's wheel speeds."""
-        left, right = self._wheels
-        self.ctrl[left], self.ctrl[right] = command.left_rad_s, command.right_rad_s
+        if self._robot is not None:
+            self.data.ctrl[self._robot.left_motor] = command.left_rad_s
+            self.data.ctrl[self._robot.right_motor] = command.right_rad_s
+
+    def wheel_reading(self) -> WheelReading:
+        """What the robot's own sensors measure, without noise.
+
+        Raises:
+            SjasimError: there is no robot.
+        """
+        robot = self._require_robot()
+        return WheelReading(
+            left_rad=self.data.qpos.item(robot.left_wheel_qpos),
+            right_rad=self.data.qpos.item(robot.right_wheel_qpos),
+            yaw_rate_rad_s=self.data.sensordata.item(robot.gyro_z),
+        )
 
     def robot_pose(self) -> tuple[float, float, float]:
-        """True position and heading (-pi to pi) of the robot [m, m, rad]."""
-        place, turn = 3 * self._base, 9 * self._base
-        x, y = self._xpos.item(place), self._xpos.item(place + 1)
-        return x, y, math.atan2(self._xmat.item(turn + 3), self._xmat.item(turn))
+        """True position and heading (-pi to pi) of the robot [m, m, rad].
+
+        Raises:
+            SjasimError: there is no robot.
+        """
+        base = self._require_robot().base
+        position = 3 * base
+        rotation = 9 * base
+        x = self.data.xpos.item(position)
+        y = self.data.xpos.item(position + 1)
+        return x, y, math.atan2(self.data.xmat.item(rotation + 3), self.data.xmat.item(rotation))
+
+    def _require_robot(self) -> RobotIndices:
+        if self._robot is None:
+            raise SjasimError("there is no robot in this scene")
+        return self._robot
 
     @property
     def joints_m(self) -> Array:
-        """(D, 25, 3) true joint positions, an array for each tick [m]."""
+        """(D, 25, 3) true joint positions [m], read-only; a new array for each tick."""
         if self._joints_tick != self.tick:
-            self._keep(self.data.site_xpos[self._sites])
-        return self._joints
-
-    def _keep(self, joints: Array) -> None:
-        joints.setflags(write=False)
-        self._joints, self._joints_tick = joints, self.tick
+            joints = self.data.site_xpos[self._dancers.joint_sites]
+            joints.setflags(write=False)
+            self._joints_m = joints
+            self._joints_tick = self.tick
+        return self._joints_m
 
     @property
     def yaw_rad(self) -> Array:
         """(D,) true headings of the pelvises [rad]."""
-        return np.asarray(self._qpos.take(self._root[:, 3]))
+        return np.asarray(self.data.qpos[self._dancers.root_qpos[:, 3]])
 
     @property
     def geoms(self) -> Geoms:
-        """Everything visible, at this instant; see `types.SceneView`."""
-        rotation = self._rotations[self._solid].reshape(-1, 3, 3)
-        return Geoms(self._form, self._size, self._positions[self._solid], rotation, self._solid_owner)
+        """Everything visible, at this tick; see `SceneView`."""
+        rotation = self.data.geom_xmat[self._visible].reshape(-1, 3, 3)
+        position_m = self.data.geom_xpos[self._visible]
+        return Geoms(self._geom_type, self._geom_size, position_m, rotation, self._geom_owner)
 
     def height_m(self, dancer: int) -> float:
         """Height of a dancer's pelvis [m]."""
-        return float(self._qpos.item(self._root.item(dancer, 2)))
+        return float(self.data.qpos.item(self._dancers.root_qpos.item(dancer, 2)))
 
-    def let_go(self, dancer: int) -> None:
-        """A fallen dancer's muscles and tether go limp, and all of the body meets the floor."""
-        m = self.model
-        limp = np.concatenate([self._servo[dancer], *self._tether[dancer : dancer + 1]])
-        m.actuator_gainprm[limp] = 0.0
-        m.actuator_biasprm[limp, :2] = 0.0
-        flesh = np.flatnonzero(self._owner == dancer)
-        m.geom_conaffinity[flesh] |= FLOOR_BIT
-        m.body_conaffinity[m.geom_bodyid[flesh]] |= FLOOR_BIT
-        turns = self.where[dancer, RATES + 3 : RATES + 6]  # of one who lies on the face, yaw and roll are the same
-        m.dof_armature[turns], m.dof_damping[turns] = LYING_ARMATURE, LYING_DAMPING
+    def make_limp(self, dancer: int) -> None:
+        """Switch off a fallen dancer's actuators and tether, and let all of the body collide with the floor."""
+        model, dancers = self.model, self._dancers
+        limp = np.concatenate([dancers.hinge_actuators[dancer], *dancers.tether_actuators[dancer : dancer + 1]])
+        model.actuator_gainprm[limp] = 0.0
+        model.actuator_biasprm[limp, :2] = 0.0
+
+        geoms = np.flatnonzero(dancers.geom_owner == dancer)
+        model.geom_conaffinity[geoms] |= FLOOR_BIT
+        model.body_conaffinity[model.geom_bodyid[geoms]] |= FLOOR_BIT
+
+        rotations = dancers.root_dof[dancer, 3:]
+        model.dof_armature[rotations] = LYING_ARMATURE
+        model.dof_damping[rotations] = LYING_DAMPING
 
     def push(self, dancer: int, force: Array) -> None:
-        """Pull at a dancer's trunk with a force (3,) until told otherwise [N]."""
+        """Apply a force (3,) to a dancer's trunk until another call [N]."""
         body = self.model.body(f"{dancer_prefix(dancer)}torso").id
         self.data.xfrc_applied[body, :3] = force
-
-
-def _behind(model: mujoco.MjModel, body: int) -> int:
-    """The first body behind those that hang on one; they stand together."""
-    last = body + 1
-    while last < model.nbody and model.body_parentid[last] >= body:
-        last += 1
-    return last

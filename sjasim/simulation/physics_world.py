@@ -213,7 +213,7 @@ class PhysicsWorld:
         if now >= self._dead_from_s:
             self.physics.drive(WheelCommand(0.0, 0.0))
             return
-        event = self.robot.take(now, jammed=now >= self._blocked_from_s)
+        event = self.robot.step(now, wheels_blocked=now >= self._blocked_from_s)
         if event is not None:
             iteration = self._timetable.iteration_at(event[1])
             self.robot_events.append(AgentEvent(iteration, ROBOT, event[0], event[1]))
@@ -227,17 +227,17 @@ class PhysicsWorld:
 
     def look(self, now: float) -> None:
         """A frame tick: the clients take their frames and send what is ready; the floor's force is felt."""
-        self.physics.feel()
+        self.physics.measure_load()
         soon = now + ROUNDING_S
         for name, client in self._clients.items():
             if client.next_capture_s <= soon:
                 skeletons = client.capture_frame(now, self.physics)
                 if name == self.active and skeletons is not None:
-                    self.recorder.estimate(skeletons, self.sensing[name].dancers, self._mounts[name])
+                    self.recorder.add_skeletons(skeletons, self.sensing[name].dancers, self._mounts[name])
             if client.next_output_s <= soon:
                 self._outbox.extend(client.pop_messages(now))
         sensing, watches = self.sensing[self.active], self._clients[self.active].is_detecting(now)
-        self.recorder.see(self.physics.joints_m, sensing.visible if watches else None, sensing.dancers)
+        self.recorder.add_frame(self.physics.joints_m, sensing.visible if watches else None, sensing.dancers)
         for watch in self.watchers:
             watch(now)
 
@@ -246,7 +246,7 @@ class PhysicsWorld:
             self.plan()
         if now >= self._set_out_s:
             self.set_out(now)
-        self.dancers.take(round(now * self._balance_hz), now)
+        self.dancers.step(round(now * self._balance_hz), now)
 
     def _check(self, now: float) -> None:
         """Now and then: is the physics sound, has anybody fallen?"""
@@ -255,8 +255,8 @@ class PhysicsWorld:
         for index, limit_m in enumerate(self._fall_m):
             if self.physics.height_m(index) < limit_m and not self._fallen[index]:
                 self._fallen[index] = True
-                self.physics.let_go(index)
-                self.recorder.fall(now, index)
+                self.physics.make_limp(index)
+                self.recorder.mark_fallen(now, index)
                 self.notices.append(Notice(now, dancer_name(index), "fell and dances no more"))
 
     def plan(self) -> None:

@@ -137,12 +137,15 @@ def instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
 
     physics.step_to = recording  # type: ignore[method-assign]
     watched = [
-        (physics, "step_to", "physics"), (world.dancers, "take", "stabiliser"),
+        (physics, "step_to", "physics"), (world.dancers, "step", "stabiliser"),
         (world, "plan", "planning"), (world, "set_out", "planning"), (world, "look", "sensing"),
         (world, "drive", "robot"),
         (session.server, "receive", "server"), (session.server, "due", "server"), (session.dispatcher, "due", "server"),
     ]  # fmt: skip
-    watched += [(session, "log", "logging"), *((world.recorder, name, "logging") for name in ("see", "estimate"))]
+    watched += [
+        (session, "log", "logging"),
+        *((world.recorder, name, "logging") for name in ("add_frame", "add_skeletons")),
+    ]
     if session.method is not None:
         hooks = ("on_event", "on_iteration_start", "on_iteration_end", "on_timer")
         watched += [(session.method, name, "decision") for name in hooks]

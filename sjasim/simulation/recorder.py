@@ -11,15 +11,13 @@ from numpy.typing import NDArray
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..choreography.layout import Mount
 from ..core import Array, BoolArray, DancerStates, IntArray, Skeletons
+from ..core.bodies import DANCER_STATE_WIDTH
 
 K = TypeVar("K", bound=np.generic)
 
-DANCER_STATE_WIDTH = 36
-"""Columns of `types.DancerStates.rows`."""
-
 TRUTH_COLUMNS = (
     "t_s", "dancer", "x_m", "y_m", "z_m", "heading_rad", "hands_m", "tether_x_n", "tether_y_n",
-    "support_torque_nm", "load_n", "weight_n", "spine_seen", "hands_seen", "fallen",
+    "tether_torque_nm", "load_n", "weight_n", "spine_seen", "hands_seen", "fallen",
 )  # fmt: skip
 """One row per (tick, dancer); ``spine_seen`` and ``hands_seen`` are the shares of SpineBase, SpineMid and shoulders,
 and of hands and wrists, that the sensor the dancers face could see; NaN where it sees nothing at all."""
@@ -46,7 +44,7 @@ class GroundTruthRecorder:
     Attributes:
         states: (N, D, 36) rows of `types.DancerStates`, one for each tick that is kept; whoever tells the recorder of a
             tick writes its own. Their memory is touched when it is made, not while people dance.
-        rides: (M, 9) the same for the odometry, with `ODOMETRY_COLUMNS`.
+        odometry_rows: (M, 9) the same for the odometry, with `ODOMETRY_COLUMNS`.
     """
 
     def __init__(self, weight_n: Array, every: int, rows: int = 1) -> None:
@@ -57,8 +55,8 @@ class GroundTruthRecorder:
         self._t_s: list[float] = []
         self._frame_of: list[int] = []
         self._until_next = 0
-        self.rides = np.full((rows, len(ODOMETRY_COLUMNS)), 0.0)
-        self._ridden = 0
+        self.odometry_rows = np.full((rows, len(ODOMETRY_COLUMNS)), 0.0)
+        self._odometry_count = 0
         self._joints: list[Array] = []
         self._seen: list[BoolArray | None] = []
         self._seen_dancers: list[IntArray] = []
@@ -68,14 +66,14 @@ class GroundTruthRecorder:
         self._estimated_dancers: list[IntArray] = []
         self._mounts: list[Mount] = []
 
-    def ride(self) -> int:
-        """One odometry sample: its row of `rides`."""
-        self._ridden += 1
-        if self._ridden > len(self.rides):
-            self.rides = _doubled(self.rides)
-        return self._ridden - 1
+    def next_odometry_row(self) -> int:
+        """One odometry sample: its row of `odometry_rows`."""
+        self._odometry_count += 1
+        if self._odometry_count > len(self.odometry_rows):
+            self.odometry_rows = _doubled(self.odometry_rows)
+        return self._odometry_count - 1
 
-    def see(self, joints_m: Array, visible: BoolArray | None, dancers: IntArray) -> None:
+    def add_frame(self, joints_m: Array, visible: BoolArray | None, dancers: IntArray) -> None:
         """One frame; the recorder keeps the arrays themselves.
 
         Args:
@@ -87,8 +85,8 @@ class GroundTruthRecorder:
         self._seen.append(visible)
         self._seen_dancers.append(dancers)
 
-    def estimate(self, skeletons: Skeletons, dancers: IntArray, mount: Mount) -> None:
-        """What the active client saw in the frame that `see` is about to take; the recorder keeps the arrays themselves.
+    def add_skeletons(self, skeletons: Skeletons, dancers: IntArray, mount: Mount) -> None:
+        """What the active client saw in the frame that `add_frame` is about to take; the recorder keeps the arrays themselves.
 
         Args:
             skeletons: in the sensor's frame.
@@ -101,7 +99,7 @@ class GroundTruthRecorder:
         self._estimated_dancers.append(dancers)
         self._mounts.append(mount)
 
-    def tick(self, now: float) -> int:
+    def next_state_row(self, now: float) -> int:
         """One control tick: the row of `states` that what is felt at it belongs in, -1 for one that is not kept."""
         if self._until_next:
             self._until_next -= 1
@@ -114,7 +112,7 @@ class GroundTruthRecorder:
         self._frame_of.append(len(self._joints))
         return row
 
-    def fall(self, now: float, dancer: int) -> None:
+    def mark_fallen(self, now: float, dancer: int) -> None:
         """A dancer is down from now on."""
         self._fell_s[dancer] = now
 
@@ -132,7 +130,7 @@ class GroundTruthRecorder:
             "hands_m": np.sqrt(((of.hands[:, 0] - of.hands[:, 1]) ** 2).sum(axis=-1)),
             "tether_x_n": of.tether[:, 0],
             "tether_y_n": of.tether[:, 1],
-            "support_torque_nm": np.sqrt((of.tether[:, 2:] ** 2).sum(axis=-1)),
+            "tether_torque_nm": np.sqrt((of.tether[:, 2:] ** 2).sum(axis=-1)),
             "load_n": of.load,
             "weight_n": np.broadcast_to(self._weight, shape),
             "spine_seen": visible[:, :, _TORSO].mean(axis=2)[frame],
@@ -143,7 +141,7 @@ class GroundTruthRecorder:
 
     def odometry(self) -> dict[str, Array]:
         """The odometry as columns; empty without a robot."""
-        rows = self.rides[: self._ridden]
+        rows = self.odometry_rows[: self._odometry_count]
         return {name: rows[:, k].copy() for k, name in enumerate(ODOMETRY_COLUMNS)} if len(rows) else {}
 
     def joints(self) -> NDArray[np.float32]:

@@ -1,73 +1,239 @@
-"""Where dancers and the robot are in the physics' arrays, and what copies their numbers out of these and into them.
-
-Compiled, and of arrays alone: whoever owns the physics lists its arrays, whoever takes turns calls what copies.
-"""
+"""Index maps into MuJoCo's model and data, and the kernel that reads the dancers' states through them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
 from numba import njit
 
+from ..assets.names import (
+    ACTUATED,
+    JOINT_INDEX,
+    JOINTS,
+    ROBOT_PREFIX,
+    ROOT_JOINTS,
+    TETHERED,
+    dancer_prefix,
+)
 from ..core import Array, IntArray
-from ..core.memory import index_rows, indices, matrix, vector
+from ..core.bodies import StateColumn
+from ..humans.body.body_model import BodyModel
 
-PELVIS, TRUNK, BEHIND, POSITIONS, RATES, SITES, ACTUATORS, WIRES = 0, 1, 2, 3, 9, 15, 19, 44
-"""Where a dancer's addresses begin in `Physics.where`: its pelvis, the body at its root, the one behind its last; the
-root's coordinates (6) and rates (6); ankles and hands (4); actuators of the planned hinges (25, -1 for a body that has
-others) and of the tether (5, -1 without one)."""
-LEFT_ANGLE, RIGHT_ANGLE, GYRO, BASE, LEFT_MOTOR, RIGHT_MOTOR = range(6)
-"""The robot's addresses, last in `Physics.robot`: wheel angles, yaw rate, body and actuators."""
+LOGGED_JOINTS = [JOINT_INDEX[name] for name in ("AnkleLeft", "AnkleRight", "HandLeft", "HandRight")]
+"""Joints whose positions are part of a dancer's state, in the order of `StateColumn`."""
+
+PELVIS, ROOT_BODY, END_BODY, ROOT_QPOS, ROOT_DOF, SITES, TETHER, KERNEL_COLUMNS = 0, 1, 2, 3, 9, 15, 19, 24
+"""First columns of `DancerIndices.kernel`: pelvis, root body, and the body after the dancer's last one; coordinates and
+degrees of freedom of the root (6 each); sites of `LOGGED_JOINTS` (4); tether actuators (5, -1 without a tether)."""
 
 
-@njit(cache=True)
-def gather(
-    com: Array, velocity: Array, centre: Array, qpos: Array, qvel: Array, sites: Array, forces: Array, load: Array,
-    mass: Array, parent: IntArray, momentum: Array, where: IntArray, out: Array,
-) -> None:  # fmt: skip
-    """Copy every dancer's rows out of the physics; the output is that of `types.DancerStates`.
+@dataclass(frozen=True, slots=True)
+class DancerIndices:
+    """Where each dancer's parts are in MuJoCo's arrays. D dancers, H hinges of their body model.
 
-    The arrays are those of `Physics.felt`. The velocity of the centre of mass is what MuJoCo's ``mj_subtreeVel`` gives,
-    to the last bit, without its sums for all the other bodies.
+    Attributes:
+        pelvis: (D,) bodies.
+        joint_sites: (D, 25) sites of the joints, in the order of `assets.names.JOINTS`.
+        root_qpos: (D, 6) coordinates of the root: x, y, z, yaw, pitch, roll.
+        root_dof: (D, 6) its degrees of freedom.
+        hinge_qpos: (D, H) coordinates of the hinges.
+        hinge_actuators: (D, H) their actuators.
+        leading_actuators: (D, 25) actuators that stand for the planned hinges, see `BodyModel.leading`.
+        tether_actuators: (D, 5) actuators of the balance support; (0, 5) without one.
+        geom_owner: (all geoms,) dancer of each geom, -1 for floor and robot.
+        kernel: (D, `KERNEL_COLUMNS`) the rows that `read_dancer_states` takes.
     """
-    for d in range(len(where)):
-        pelvis, root = where[d, PELVIS], where[d, TRUNK]
-        for b in range(pelvis, where[d, BEHIND]):
-            x, y, z = centre[b, 0] - com[root, 0], centre[b, 1] - com[root, 1], centre[b, 2] - com[root, 2]
-            turn_x, turn_y, turn_z = velocity[b, 0], velocity[b, 1], velocity[b, 2]
-            momentum[b, 0] = (velocity[b, 3] - (y * turn_z - z * turn_y)) * mass[b]
-            momentum[b, 1] = (velocity[b, 4] - (z * turn_x - x * turn_z)) * mass[b]
-            momentum[b, 2] = (velocity[b, 5] - (x * turn_y - y * turn_x)) * mass[b]
-        for b in range(where[d, BEHIND] - 1, pelvis, -1):
+
+    pelvis: IntArray
+    joint_sites: IntArray
+    root_qpos: IntArray
+    root_dof: IntArray
+    hinge_qpos: IntArray
+    hinge_actuators: IntArray
+    leading_actuators: IntArray
+    tether_actuators: IntArray
+    geom_owner: IntArray
+    kernel: IntArray
+
+    @classmethod
+    def of(cls, model: mujoco.MjModel, body: BodyModel, dancers: int, *, tethered: bool) -> DancerIndices:
+        """Look up the names of a compiled scene."""
+        prefixes = [dancer_prefix(index) for index in range(dancers)]
+        pelvis = np.array([model.body(f"{prefix}pelvis").id for prefix in prefixes])
+        joint_sites = _ids(model.site, prefixes, JOINTS)
+        root_qpos = np.array([[model.joint(p + name).qposadr[0] for name in ROOT_JOINTS] for p in prefixes])
+        root_dof = np.array([[model.joint(p + name).dofadr[0] for name in ROOT_JOINTS] for p in prefixes])
+        hinge_qpos = np.array([[model.joint(p + name).qposadr[0] for name in body.hinges] for p in prefixes])
+        tether = _ids(model.actuator, prefixes if tethered else [], TETHERED).reshape(-1, len(TETHERED))
+
+        kernel = np.full((dancers, KERNEL_COLUMNS), -1, dtype=np.int64)
+        kernel[:, PELVIS] = pelvis
+        kernel[:, ROOT_BODY] = model.body_rootid[pelvis]
+        kernel[:, END_BODY] = [_end_of_subtree(model, body_id) for body_id in pelvis]
+        kernel[:, ROOT_QPOS:ROOT_DOF] = root_qpos
+        kernel[:, ROOT_DOF:SITES] = root_dof
+        kernel[:, SITES:TETHER] = joint_sites[:, LOGGED_JOINTS]
+        if tethered:
+            kernel[:, TETHER:] = tether
+
+        names = [model.geom(geom).name for geom in range(model.ngeom)]
+        geom_owner = np.full(model.ngeom, -1, dtype=np.int64)
+        for index, prefix in enumerate(prefixes):
+            geom_owner[[name.startswith(prefix) for name in names]] = index
+
+        return cls(
+            pelvis=pelvis,
+            joint_sites=joint_sites,
+            root_qpos=root_qpos,
+            root_dof=root_dof,
+            hinge_qpos=hinge_qpos,
+            hinge_actuators=_ids(model.actuator, prefixes, body.hinges),
+            leading_actuators=_ids(model.actuator, prefixes, body.leading),
+            tether_actuators=tether,
+            geom_owner=geom_owner,
+            kernel=kernel,
+        )
+
+    def target_actuators(self, *, planned_hinges: bool) -> tuple[IntArray, IntArray]:
+        """Actuators that take the balance controller's targets directly.
+
+        Args:
+            planned_hinges: whether the body's hinges are the planned ones; else the tether alone takes targets.
+
+        Returns:
+            actuators, and the places of their values in the flattened (D, 30) targets: 25 hinges, then the tether.
+        """
+        dancers = len(self.pelvis)
+        actuators = np.full((dancers, len(ACTUATED) + len(TETHERED)), -1, dtype=np.int64)
+        if planned_hinges:
+            actuators[:, : len(ACTUATED)] = self.hinge_actuators
+        if len(self.tether_actuators):
+            actuators[:, len(ACTUATED) :] = self.tether_actuators
+
+        places = np.flatnonzero(actuators >= 0)
+        return actuators.reshape(-1)[places], places
+
+
+class RobotIndices(NamedTuple):
+    """Where the robot's parts are in MuJoCo's arrays.
+
+    Attributes:
+        base: body.
+        left_wheel_qpos: coordinate of the left wheel's angle.
+        right_wheel_qpos: the same of the right wheel.
+        left_motor: actuator.
+        right_motor: actuator.
+        gyro_z: place of the yaw rate in ``sensordata``.
+        root_qpos: first of the seven coordinates of its free joint.
+        geoms: its geoms.
+    """
+
+    base: int
+    left_wheel_qpos: int
+    right_wheel_qpos: int
+    left_motor: int
+    right_motor: int
+    gyro_z: int
+    root_qpos: int
+    geoms: IntArray
+
+    @classmethod
+    def of(cls, model: mujoco.MjModel) -> RobotIndices:
+        """Look up the names of a compiled scene with a robot."""
+        names = [model.geom(geom).name for geom in range(model.ngeom)]
+        return cls(
+            base=model.body(f"{ROBOT_PREFIX}base").id,
+            left_wheel_qpos=int(model.joint(f"{ROBOT_PREFIX}wheel_l").qposadr[0]),
+            right_wheel_qpos=int(model.joint(f"{ROBOT_PREFIX}wheel_r").qposadr[0]),
+            left_motor=model.actuator(f"{ROBOT_PREFIX}wheel_l").id,
+            right_motor=model.actuator(f"{ROBOT_PREFIX}wheel_r").id,
+            gyro_z=int(model.sensor(f"{ROBOT_PREFIX}gyro").adr[0]) + 2,
+            root_qpos=int(model.joint(f"{ROBOT_PREFIX}root").qposadr[0]),
+            geoms=np.flatnonzero([name.startswith(ROBOT_PREFIX) for name in names]),
+        )
+
+
+def _ids(lookup: object, prefixes: Sequence[str], names: Sequence[str]) -> IntArray:
+    """(D, N) numbers of named parts of every dancer."""
+    ids = [[lookup(prefix + name).id for name in names] for prefix in prefixes]  # type: ignore[operator]
+    return np.array(ids, dtype=np.int64)
+
+
+def _end_of_subtree(model: mujoco.MjModel, body: int) -> int:
+    """First body after the subtree of a body; MuJoCo numbers a subtree without gaps."""
+    end = body + 1
+    while end < model.nbody and model.body_parentid[end] >= body:
+        end += 1
+    return end
+
+
+@njit(cache=True)
+def read_dancer_states(
+    qpos: Array,
+    qvel: Array,
+    subtree_com: Array,
+    cvel: Array,
+    xipos: Array,
+    site_xpos: Array,
+    actuator_force: Array,
+    masses: Array,
+    parents: IntArray,
+    load: Array,
+    indices: IntArray,
+    momentum: Array,
+    out: Array,
+) -> None:
+    """Write every dancer's state.
+
+    The velocity of the centre of mass equals that of MuJoCo's ``mj_subtreeVel`` to the last bit, without its sums over
+    the other bodies of the scene.
+
+    Args:
+        qpos: coordinates.
+        qvel: velocities.
+        subtree_com: (B, 3) centres of mass of the bodies' subtrees [m].
+        cvel: (B, 6) spatial velocities of the bodies about the centre of mass of their root's subtree.
+        xipos: (B, 3) centres of mass of the bodies [m].
+        site_xpos: (S, 3) sites [m].
+        actuator_force: forces of the actuators.
+        masses: (B + D,) masses of the bodies, then of the dancers [kg].
+        parents: (B,) parent of each body.
+        load: (D,) what the floor carries of each dancer [N].
+        indices: (D, `KERNEL_COLUMNS`) see `DancerIndices.kernel`.
+        momentum: (B, 3) work space.
+        out: (D, `DANCER_STATE_WIDTH`) output, see `StateColumn`.
+    """
+    for d in range(len(indices)):
+        pelvis = indices[d, PELVIS]
+        root = indices[d, ROOT_BODY]
+        end = indices[d, END_BODY]
+
+        # Linear momentum of each body, summed from the leaves to the pelvis in MuJoCo's own order.
+        for b in range(pelvis, end):
+            x = xipos[b, 0] - subtree_com[root, 0]
+            y = xipos[b, 1] - subtree_com[root, 1]
+            z = xipos[b, 2] - subtree_com[root, 2]
+            momentum[b, 0] = (cvel[b, 3] - (y * cvel[b, 2] - z * cvel[b, 1])) * masses[b]
+            momentum[b, 1] = (cvel[b, 4] - (z * cvel[b, 0] - x * cvel[b, 2])) * masses[b]
+            momentum[b, 2] = (cvel[b, 5] - (x * cvel[b, 1] - y * cvel[b, 0])) * masses[b]
+        for b in range(end - 1, pelvis, -1):
             for k in range(3):
-                momentum[parent[b], k] += momentum[b, k]
-        per = 1.0 / mass[len(parent) + d]
+                momentum[parents[b], k] += momentum[b, k]
+
+        inverse_mass = 1.0 / masses[len(parents) + d]
         for k in range(3):
-            out[d, k], out[d, 3 + k] = com[pelvis, k], momentum[pelvis, k] * per
+            out[d, StateColumn.COM + k] = subtree_com[pelvis, k]
+            out[d, StateColumn.COM_VELOCITY + k] = momentum[pelvis, k] * inverse_mass
             for site in range(4):
-                out[d, 18 + 3 * site + k] = sites[where[d, SITES + site], k]
+                out[d, StateColumn.ANKLES + 3 * site + k] = site_xpos[indices[d, SITES + site], k]
         for k in range(6):
-            out[d, 6 + k], out[d, 12 + k] = qpos[where[d, POSITIONS + k]], qvel[where[d, RATES + k]]
+            out[d, StateColumn.ROOT + k] = qpos[indices[d, ROOT_QPOS + k]]
+            out[d, StateColumn.ROOT_VELOCITY + k] = qvel[indices[d, ROOT_DOF + k]]
         for k in range(5):
-            wire = where[d, WIRES + k]
-            out[d, 30 + k] = forces[wire] if wire >= 0 else 0.0
-        out[d, 35] = load[d]
-
-
-@njit(cache=True)
-def command(targets: Array, where: IntArray, ctrl: Array) -> None:
-    """Set the dancers' actuators: (D, 30) targets of the planned hinges, then of the tether; see `Physics.where`."""
-    for d in range(len(where)):
-        for k in range(targets.shape[1]):
-            actuator = where[d, ACTUATORS + k]
-            if actuator >= 0:
-                ctrl[actuator] = targets[d, k]
-
-
-@njit(cache=True)
-def feel(joints: Array, at: IntArray) -> None:
-    """Copy what a frame is about: where joints are, (D, 25, 3), and what the floor carries; ``at`` lists the arrays."""
-    sites, where, lifts, lift, load = matrix(at, 0), index_rows(at, 1), vector(at, 2), indices(at, 3), vector(at, 4)
-    for d in range(len(where)):
-        load[d] = lifts[lift[d]]
-        for j in range(where.shape[1]):
-            for k in range(3):
-                joints[d, j, k] = sites[where[d, j], k]
+            actuator = indices[d, TETHER + k]
+            out[d, StateColumn.TETHER + k] = actuator_force[actuator] if actuator >= 0 else 0.0
+        out[d, StateColumn.LOAD] = load[d]

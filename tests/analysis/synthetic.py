@@ -146,7 +146,7 @@ def truth(true_s, steps, table, config):
         columns["hands_m"][:, d] = np.minimum(0.6, 0.04 + away)
     flat = {name: column.ravel() for name, column in columns.items()}
     size = count * dancers
-    constants = {"z_m": 0.95, "tether_x_n": 3.0, "tether_y_n": 4.0, "support_torque_nm": 1.0, "load_n": 693.0}
+    constants = {"z_m": 0.95, "tether_x_n": 3.0, "tether_y_n": 4.0, "tether_torque_nm": 1.0, "load_n": 693.0}
     constants |= {"weight_n": 700.0, "spine_seen": 1.0, "hands_seen": 1.0, "fallen": 0.0}
     filled = {name: np.full(size, value) for name, value in constants.items()}
     return {"t_s": np.repeat(times, dancers), "dancer": np.tile(np.arange(dancers), count), **flat, **filled}

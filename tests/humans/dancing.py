@@ -94,7 +94,7 @@ class Floor:
         self.physics = Physics(self.bodies, room, (self.heading, NORTH), *start, PhysicsConfig(), self.body, self.robot)
         omega = np.array([planner.omega for planner in self.planners])
         balance = BalanceController(self.reference, omega, HZ, self.physics.servos, self.gains)
-        self.turn = DancerController(self.physics, balance, GroundTruthRecorder(self.physics.servos.weight, 1))
+        self.controller = DancerController(self.physics, balance, GroundTruthRecorder(self.physics.servos.weight, 1))
         self.cues: list[list[Cue]] = [[] for _ in self.bodies]
         self.tick = 0
         self.truth: dict[str, list[Array]] = {name: [] for name in ("roots", "tether", "loads", "hands", "joints")}
@@ -107,9 +107,9 @@ class Floor:
         """Dance on, to the end unless told how long."""
         last = self.ticks if seconds is None else self.tick + round(seconds * HZ)
         for tick in range(self.tick, last):
-            self.turn.take(tick, tick / HZ)
+            self.controller.step(tick, tick / HZ)
             self.physics.step_to((tick + 1) * TICKS)
-            self.physics.feel()
+            self.physics.measure_load()
             states = self.physics.states()
             gaps = np.linalg.norm(states.hands[:, 0] - states.hands[:, 1], axis=1)
             rows = states.root, states.tether, states.load, gaps

@@ -36,7 +36,7 @@ def test_what_is_felt_of_the_floor_is_the_force_of_its_contacts_and_kept_until_f
         dancer = [name.startswith("dancer_2") for name in owners if name != "floor"]
         mujoco.mj_contactForce(physics.model, physics.data, index, force)
         found[int(dancer[0])] += force[0]
-    physics.feel()
+    physics.measure_load()
     assert physics.states().load == pytest.approx(found, rel=1e-6)
     felt = physics.states().load
     physics.step_to(physics.tick + 2)
@@ -91,9 +91,9 @@ def test_a_robot_that_is_not_driven_stays_put():
     x, y, heading = physics.robot_pose()
     assert (x, y) == pytest.approx(tuple(_robot_slot()), abs=2e-3)
     assert heading == pytest.approx(np.pi / 2, abs=5e-3)
-    qpos, sensed, _, _, where = physics.robot
-    assert qpos[where[:2]] == pytest.approx((0.0, 0.0), abs=0.05)
-    assert sensed[where[2]] == pytest.approx(0.0, abs=0.02)
+    reading = physics.wheel_reading()
+    assert (reading.left_rad, reading.right_rad) == pytest.approx((0.0, 0.0), abs=0.05)
+    assert reading.yaw_rate_rad_s == pytest.approx(0.0, abs=0.02)
 
 
 def _robot_slot():
@@ -118,7 +118,7 @@ def test_it_bumps_where_a_contact_says_so():
 def test_who_is_let_go_falls_and_the_others_stand():
     dancing = floor(2, 8.0)
     dancing.run(0.5)
-    dancing.physics.let_go(0)
+    dancing.physics.make_limp(0)
     dancing.run(2.5)
     heights = [dancing.physics.height_m(k) / body.standing_m for k, body in enumerate(dancing.bodies)]
     assert heights[0] < 0.65

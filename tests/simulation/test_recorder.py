@@ -28,12 +28,12 @@ def recorder():
     seen[0, JOINT_INDEX["SpineBase"]] = True  # row 0 is the second dancer
     for tick in range(10):
         if tick == 4:
-            recorder.see(np.full((2, 25, 3), 1.5), seen, np.array([1, 0]))
+            recorder.add_frame(np.full((2, 25, 3), 1.5), seen, np.array([1, 0]))
         if tick == 6:
-            recorder.fall(tick / 60, 1)
+            recorder.mark_fallen(tick / 60, 1)
         if tick == 8:
-            recorder.see(np.zeros((2, 25, 3)), None, np.array([1, 0]))
-        row = recorder.tick(tick / 60)
+            recorder.add_frame(np.zeros((2, 25, 3)), None, np.array([1, 0]))
+        row = recorder.next_state_row(tick / 60)
         recorder.states[row] = states()
     return recorder
 
@@ -47,7 +47,7 @@ def test_truth_has_one_row_per_tick_and_dancer(recorder):
     assert set(truth["x_m"][second]) == {6.0}
     assert set(truth["heading_rad"][second]) == {9.0}
     assert truth["hands_m"][:2].tolist() == [0.3, 0.0]
-    assert (truth["tether_x_n"][1], truth["tether_y_n"][1], truth["support_torque_nm"][1]) == (3.0, 4.0, 3.0)
+    assert (truth["tether_x_n"][1], truth["tether_y_n"][1], truth["tether_torque_nm"][1]) == (3.0, 4.0, 3.0)
     assert truth["load_n"][:2].tolist() == (0.5 * WEIGHTS).tolist()
     assert truth["fallen"][second].tolist() == [0] * 6 + [1] * 4
 
@@ -60,8 +60,8 @@ def test_what_was_seen_belongs_to_the_right_dancer_and_is_nan_while_nobody_watch
 
 def test_odometry_and_joints_are_kept_as_given(recorder):
     assert recorder.odometry() == {}
-    row = recorder.ride()
-    recorder.rides[row] = 0.5, 1.0, 2.0, 3.0, 0.004, 0.1, 1.1, 2.1, 3.1
+    row = recorder.next_odometry_row()
+    recorder.odometry_rows[row] = 0.5, 1.0, 2.0, 3.0, 0.004, 0.1, 1.1, 2.1, 3.1
     columns = recorder.odometry()
     assert [float(columns[name][0]) for name in ODOMETRY_COLUMNS] == [0.5, 1.0, 2.0, 3.0, 0.004, 0.1, 1.1, 2.1, 3.1]
     assert recorder.joints().shape == (2, 2, 25, 3)
@@ -72,9 +72,9 @@ def test_estimates_are_in_the_world_and_belong_to_the_dancers_behind_them():
     recorder = GroundTruthRecorder(WEIGHTS, 1)
     mount = Mount("north", np.array([0.0, 3.0, 0.9]), np.diag([-1.0, 1.0, -1.0]))
     local, state = np.ones((2, 25, 3)), np.full((2, 25), 2, dtype=np.int8)
-    recorder.see(np.zeros((2, 25, 3)), None, np.array([0, 1]))
-    recorder.estimate(Skeletons(np.arange(2), local, state), np.array([1, -1]), mount)
-    recorder.see(np.zeros((2, 25, 3)), None, np.array([0, 1]))
+    recorder.add_frame(np.zeros((2, 25, 3)), None, np.array([0, 1]))
+    recorder.add_skeletons(Skeletons(np.arange(2), local, state), np.array([1, -1]), mount)
+    recorder.add_frame(np.zeros((2, 25, 3)), None, np.array([0, 1]))
     out = recorder.skeletons()
     assert np.isnan(out[0]).all()
     assert np.isnan(out[1, 0]).all()

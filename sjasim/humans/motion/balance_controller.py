@@ -225,10 +225,7 @@ class BalanceController:
 
     Attributes:
         rate_hz: as given.
-        plan: what `correct` takes before the felt state: rows planned and the plan.
-        targets: its output.
-        memory: what `correct` takes behind the felt state, in its order: actuators, gains, foot shifts and, as its
-            output, the targets.
+        targets: (D, 30) angles of the planned hinges [rad], then targets of the tether; see `update`.
     """
 
     def __init__(
@@ -243,6 +240,27 @@ class BalanceController:
         servo = np.column_stack([s.stiffness, s.lead, s.root_lead, s.weight, s.leg, omega])
         gain = np.array(astuple(gains or BalanceGains()))
         self.rate_hz = float(rate_hz)
-        self.plan = reference.planned_rows, reference.rows
+        self._reference = reference
+        self._actuators = servo
+        self._gains = gain
+        self._foot_shift = np.zeros((dancers, 2, 3))
         self.targets = np.zeros((dancers, HINGES + 5))
-        self.memory = servo, gain, np.zeros((dancers, 2, 3)), self.targets
+
+    def update(self, tick: int, states: Array) -> None:
+        """Write the `targets` of one control step.
+
+        Args:
+            tick: number of the step, the row of the plan.
+            states: (D, 36) rows of `DancerStates`.
+        """
+        correct(
+            tick,
+            self.rate_hz,
+            self._reference.planned_rows,
+            self._reference.rows,
+            states,
+            self._actuators,
+            self._gains,
+            self._foot_shift,
+            self.targets,
+        )
