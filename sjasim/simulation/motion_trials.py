@@ -26,44 +26,32 @@ PUSH_S = 0.2
 
 
 class OpenLoopWorld(PhysicsWorld):
-    """A session's physics with nobody looking: every tick of balance is kept.
+    """A session's physics without sensing; the motion of every control step is recorded.
 
     Args:
-        config: the session; its sensors stand idle.
-        plans: each dancer's cues; None lets people decide as they do in a session.
-        robot: whether there is one.
+        config: the session; its sensors stay idle.
+        plans: cues of each dancer; None lets the human timing model decide, as in a session.
+        robot: whether there is a robot.
 
     Attributes:
-        wheels: what the robot is driven with; None lets its executor decide.
+        wheels: constant wheel speeds of the robot; None lets its controller decide.
     """
 
     def __init__(
         self, config: SessionConfig, plans: Sequence[Sequence[Cue]] | None = None, *, robot: bool = True
     ) -> None:
-        self._plans = plans
         self._rows: list[tuple[Array, ...]] = []
         self.wheels: WheelCommand | None = None
-        place = layout(config)
-        super().__init__(config, timetable(config), place, robot=robot)
+        super().__init__(config, timetable(config), layout(config), robot=robot, given_cues=plans)
 
-    def plan(self) -> None:
-        """See `PhysicsWorld`; with given plans everything is decided from the beginning."""
-        if self._plans is None:
-            super().plan()
-            return
-        for decided, cues in zip(self._decided, self._plans, strict=True):
-            decided.extend(cues)
-            self.cues.extend(cues)
-        self._plan_s, self._set_out_s = math.inf, 0.0
-
-    def look(self, now: float) -> None:
-        """Nobody does; but what the floor carries is felt."""
+    def update_sensors(self, now: float) -> None:
+        """Measure the load on the feet; no sensor captures anything."""
         self.physics.measure_load()
 
-    def drive(self, now: float) -> None:
-        """See `PhysicsWorld`."""
+    def update_robot(self, now: float) -> None:
+        """Drive the robot with constant wheel speeds, if these are given."""
         if self.wheels is None:
-            super().drive(now)
+            super().update_robot(now)
         else:
             self.physics.drive(self.wheels)
 
@@ -74,8 +62,9 @@ class OpenLoopWorld(PhysicsWorld):
             self.advance(until_s)
         return self
 
-    def _move(self, now: float) -> None:
-        super()._move(now)
+    def update_dancers(self, now: float) -> None:
+        """Run a control step and record the motion."""
+        super().update_dancers(now)
         states, count = self.physics.states(), len(self._fallen)
         tick = np.minimum(round(now * self._config.physics.control_hz), self.reference.planned_rows - 1)
         planned, landing = (column[range(count), tick] for column in (self.reference.pelvis, self.reference.landing))

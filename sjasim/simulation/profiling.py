@@ -138,8 +138,9 @@ def instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
     physics.step_to = recording  # type: ignore[method-assign]
     watched = [
         (physics, "step_to", "physics"), (world.dancers, "step", "stabiliser"),
-        (world, "plan", "planning"), (world, "set_out", "planning"), (world, "look", "sensing"),
-        (world, "drive", "robot"),
+        (world.scheduler, "decide", "planning"), (world.scheduler, "plan", "planning"),
+        (world, "update_sensors", "sensing"),
+        (world, "update_robot", "robot"),
         (session.server, "receive", "server"), (session.server, "due", "server"), (session.dispatcher, "due", "server"),
     ]  # fmt: skip
     watched += [

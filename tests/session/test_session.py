@@ -63,7 +63,7 @@ def test_stepping_in_odd_pieces_gives_the_same_log(danced):
 def plan(**changes):
     """Builds and first cues of a session that is not danced."""
     world = Session(dataclasses.replace(SHORT, **changes)).world
-    return [body.build for body in world._anatomies], tuple(world.cues)
+    return [body.build for body in world.anatomies], tuple(world.cues)
 
 
 def test_another_seed_is_another_dance_by_other_people():

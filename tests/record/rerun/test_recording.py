@@ -18,8 +18,10 @@ from ...analysis.synthetic import session
 
 rr = pytest.importorskip("rerun")
 
-from sjasim.record.rerun import recording  # noqa: E402 - after the skip
-from sjasim.record.rerun import scene  # noqa: E402
+from sjasim.record.rerun import (
+    recording,
+    scene,
+)
 from sjasim.record.rerun.rrd_reader import read_chunks  # noqa: E402
 
 
