@@ -22,9 +22,10 @@ from ..assets.names import ACTUATED, ACTUATED_INDEX, FLOOR_BIT, HAND_BIT, ROBOT_
 from ..config import BodyConfig
 from ..core import Array
 from ..core.registry import register
-from ..humans.body.anatomy import Anatomy, Build, Shape, anatomy
+from ..humans.body.anatomy import Anatomy, Build, Shape
 from ..humans.body.mjcf import ANKLE_ARMATURE, GAINS, SKIN_RGB, TROUSER_SHADE, add_balance_support, add_root
 from ..humans.body.mjcf import ARMATURE as OWN_ARMATURE
+from ..humans.body.proportions import scaled_anatomy
 from .guard import explained
 
 try:
@@ -229,7 +230,7 @@ class CmuBody:
 
     def anatomy(self, build: Build) -> Anatomy:
         """The humanoid's own lengths and masses in our tables."""
-        known, ours = native(), anatomy(build)
+        known, ours = native(), scaled_anatomy(build)
         scale, share = build.stature_m / known.stature_m, build.mass_kg / sum(known.mass.values())
         place = {name: known.place[bodies[0]] for name, bodies in SEGMENTS.items()}
         segments, names = [], [segment.name for segment in ours.segments]

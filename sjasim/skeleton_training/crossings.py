@@ -15,7 +15,8 @@ from ..choreography.layout import layout
 from ..config import BodyConfig, PhysicsConfig, RobotConfig, SessionConfig
 from ..core import Array
 from ..core.clock import stream
-from ..humans.body.anatomy import Build, anatomy
+from ..humans.body.anatomy import Build
+from ..humans.body.proportions import scaled_anatomy
 from ..humans.motion.reference_trajectory import ReferenceTrajectory
 from ..simulation.physics import Physics
 from .scenes import RATE_HZ, planned, random_build
@@ -66,7 +67,7 @@ def _walk(seed: int, rng: np.random.Generator, gap: float, path: Array, *, small
     builds = [random_build(rng) for _ in range(3)]
     if small:
         builds = [Build(1.92, 98.0), Build(1.92, 98.0), Build(1.52, 52.0)]
-    bodies = [anatomy(build) for build in builds]
+    bodies = [scaled_anatomy(build) for build in builds]
     length_s = len(path) / RATE_HZ + 2.0
     plans = [planned(body, [], length_s, heading_rad=math.pi / 2) for body in bodies]
     room = layout(SessionConfig())

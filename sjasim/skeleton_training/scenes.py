@@ -16,7 +16,8 @@ from ..choreography.layout import Mount, layout
 from ..config import BodyConfig, PhysicsConfig, RobotConfig, SessionConfig
 from ..core import Array, BoolArray, Cue, Geoms, Move
 from ..core.clock import stream
-from ..humans.body.anatomy import Anatomy, Build, anatomy
+from ..humans.body.anatomy import Anatomy, Build
+from ..humans.body.proportions import scaled_anatomy
 from ..humans.motion.planner import Planner
 from ..humans.motion.reference_trajectory import ReferenceTrajectory
 from ..simulation.physics import Physics
@@ -102,7 +103,7 @@ class Cast:
 
     def __init__(self, rng: np.random.Generator, group: int = 3) -> None:
         self._rng = rng
-        self._bodies = [anatomy(random_build(rng)) for _ in range(group)]
+        self._bodies = [scaled_anatomy(random_build(rng)) for _ in range(group)]
         dances = [dance(rng, "") for _ in self._bodies]
         self._plans = [planned(body, cues) for body, cues in zip(self._bodies, dances, strict=True)]
         self._claps_s = [[cue.t_s for cue in cues if cue.move is Move.CLAP] for cues in dances]

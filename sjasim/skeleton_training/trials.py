@@ -18,7 +18,8 @@ from ..choreography.layout import Layout, layout
 from ..config import BodyConfig, PhysicsConfig, RobotConfig, SceneConfig, SensorConfig, SessionConfig
 from ..core import NOT_TRACKED, Array, Cue, Geoms, IntArray, Move, Solids, dancer_name
 from ..core.clock import stream
-from ..humans.body.anatomy import Build, anatomy
+from ..humans.body.anatomy import Build
+from ..humans.body.proportions import scaled_anatomy
 from ..humans.motion.reference_trajectory import ReferenceTrajectory
 from ..sensors.depth_sensing import DepthSensing
 from ..simulation.physics import Physics
@@ -139,7 +140,7 @@ def stage_dance(trial: Trial) -> tuple[PosedView, Layout]:
         build = random_build(rng)
         if trial.edge:
             build = Build(float(rng.choice([1.52, 1.93])), float(rng.choice([52.0, 98.0])))
-        body = anatomy(build)
+        body = scaled_anatomy(build)
         cues = dance(rng, dancer_name(index), trial.length_s)
         plans.append(planned(body, _kept(cues, trial), trial.length_s, slot=slot, heading_rad=heading))
         bodies.append(body)

@@ -15,7 +15,8 @@ from sjasim.config import BodyConfig, PhysicsConfig, RobotConfig, SessionConfig
 from sjasim.core import Array, Cue, Kind, Move, dancer_name
 from sjasim.core.registry import resolve
 from sjasim.core.tempo import TempoMap
-from sjasim.humans.body.anatomy import Anatomy, Build, anatomy
+from sjasim.humans.body.anatomy import Anatomy, Build
+from sjasim.humans.body.proportions import scaled_anatomy
 from sjasim.humans.motion.balance_controller import BalanceController, BalanceGains
 from sjasim.humans.motion.planner import Planner
 from sjasim.humans.motion.reference_trajectory import ReferenceTrajectory
@@ -34,7 +35,7 @@ def dance(name: str = "paper") -> Choreography:
 
 def builds(count: int, seed: int) -> list[Anatomy]:
     rng = np.random.default_rng(seed)
-    return [anatomy(Build(rng.uniform(1.50, 1.95), rng.uniform(50, 100))) for _ in range(count)]
+    return [scaled_anatomy(Build(rng.uniform(1.50, 1.95), rng.uniform(50, 100))) for _ in range(count)]
 
 
 def walk_cue(move: Move, t_s: float, duration_s: float, dancer: int = 0) -> Cue:

@@ -10,7 +10,8 @@ from sjasim.assets.names import JOINTS
 from sjasim.config import BodyConfig, RobotConfig, SessionConfig
 from sjasim.core import Move
 from sjasim.core.errors import SjasimError
-from sjasim.humans.body.anatomy import Build, anatomy
+from sjasim.humans.body.anatomy import Build
+from sjasim.humans.body.proportions import scaled_anatomy
 
 from ..humans.dancing import HZ, Floor, builds, walk_cue
 from ..sensors.raycast.reference_rays import hidden
@@ -164,7 +165,7 @@ def test_the_time_is_ticks_over_rate():
 
 @pytest.mark.parametrize("build", [Build(1.5, 50.0), Build(1.5, 100.0), Build(1.95, 50.0), Build(1.95, 100.0)], ids=str)
 def test_extreme_builds_stand_still(build):
-    standing = Floor([anatomy(build)], 3.0).run(2.0)
+    standing = Floor([scaled_anatomy(build)], 3.0).run(2.0)
     assert not standing.fell
     assert standing.pelvis_errors()[-1] == pytest.approx(0.0, abs=0.02)
     assert np.abs(standing.physics.data.qvel).max() < 0.02  # a stiff joint on a soft floor must not quiver

@@ -16,7 +16,7 @@ from ...assets.names import ACTUATED_INDEX, ARM_JOINTS, JOINT_INDEX
 from ...core import Array
 from ..body.anatomy import Anatomy, Build
 from ..body.body_model import body_model
-from ..body.kinematics import hand_rotation, joint_positions
+from ..body.kinematics import joint_positions, segment_rotation
 from .speed_profile import smooth
 
 LEFT = np.array([ACTUATED_INDEX[f"{joint}_L"] for joint in ARM_JOINTS])
@@ -63,7 +63,7 @@ def _reach(body: Anatomy, hand: Array) -> Array:
         q = np.zeros(25)
         q[LEFT] = angles
         miss = joint_positions(chains, q, np.zeros(3), 0.0)[JOINT_INDEX["HandLeft"]] - hand
-        palm = hand_rotation(chains, q, segment)[:, 1] - np.array([0.0, 1.0, 0.0])
+        palm = segment_rotation(chains, q, segment)[:, 1] - np.array([0.0, 1.0, 0.0])
         return np.concatenate([20.0 * miss, 0.6 * palm, 0.02 * angles])
 
     starts = ([-0.6, 0.1, -0.5, -1.6], [-0.9, 0.0, 0.0, -1.2])

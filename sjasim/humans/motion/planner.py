@@ -19,8 +19,8 @@ from ...assets.names import ACTUATED_INDEX, ARM_JOINTS, LEG_JOINTS
 from ...core import Array, Cue, Move
 from ...core.errors import ConfigError
 from ..body.anatomy import Anatomy
-from ..body.inverse_dynamics import hinge_torques, masses
-from ..body.kinematics import com_offsets, legs
+from ..body.inverse_dynamics import hinge_torques, place_chains
+from ..body.kinematics import com_offsets, leg_angles
 from . import arms, footsteps
 from .reference_trajectory import ReferenceTrajectory
 from .speed_profile import SHORTEST_S, SpeedProfile, smooth, speed_profile
@@ -165,7 +165,7 @@ class Planner:
         flat = np.array([[[0.0, half, ankle], [0.0, -half, ankle]]])
         pelvis = np.array([[0.0, 0.0, self._anatomy.standing_m]])
         for _ in range(5):
-            legs(pelvis, np.zeros(1), flat, np.zeros((1, 2)), self._chains.leg, posture, LEG_COLUMNS)
+            leg_angles(pelvis, np.zeros(1), flat, np.zeros((1, 2)), self._chains.leg, posture, LEG_COLUMNS)
             pelvis[0, 0] = self._ahead - float(com_offsets(self._chains, posture, np.zeros(1))[0, 0])
         self._lean = float(pelvis[0, 0])
         known = slice(0, STANDING_ROWS)
@@ -281,12 +281,12 @@ class Planner:
             pelvis[:, 2] = footsteps.pelvis_height(
                 pelvis, yaw, ankles, self._chains.leg, self._anatomy.standing_m, self._kernel
             )
-            legs(pelvis, yaw, ankles, r.foot_yaw[span], self._chains.leg, joints, LEG_COLUMNS)
+            leg_angles(pelvis, yaw, ankles, r.foot_yaw[span], self._chains.leg, joints, LEG_COLUMNS)
             if not final:
                 offset = com_offsets(self._chains, joints, yaw)
-        placed = masses(self._chains, joints, pelvis, yaw)
+        placed = place_chains(self._chains, joints, pelvis, yaw)
         r.joints[span], r.pelvis[span], r.weight[span], self._com[span] = joints, pelvis, weight, com
-        _divergent(np.asarray(self._share @ placed[2]), self._dt, self._omega, r.dcm[span])
+        _divergent(np.asarray(self._share @ placed.points), self._dt, self._omega, r.dcm[span])
         r.torque[span] = hinge_torques(self._chains, placed, ankles, weight, self._dt)
 
 

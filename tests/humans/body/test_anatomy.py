@@ -9,15 +9,16 @@ import pytest
 from sjasim.assets.names import JOINTS
 from sjasim.config import BodyConfig
 from sjasim.core.errors import ConfigError
-from sjasim.humans.body.anatomy import Build, anatomy
+from sjasim.humans.body.anatomy import Build
 from sjasim.humans.body.mjcf import dancer_spec
+from sjasim.humans.body.proportions import scaled_anatomy
 
 BUILDS = [Build(), Build(1.50, 50.0), Build(1.95, 100.0), Build(1.50, 100.0), Build(1.95, 50.0)]
 
 
 @pytest.mark.parametrize("build", BUILDS, ids=str)
 def test_masses_add_up_to_the_build(build):
-    body = anatomy(build)
+    body = scaled_anatomy(build)
     model = dancer_spec(body, 0, 1, BodyConfig()).compile()
     assert body.chains().mass.sum() == pytest.approx(build.mass_kg, rel=1e-12)
     assert model.body_mass.sum() == pytest.approx(build.mass_kg, rel=1e-9)
@@ -25,7 +26,7 @@ def test_masses_add_up_to_the_build(build):
 
 @pytest.mark.parametrize("build", BUILDS, ids=str)
 def test_segments_have_the_models_mass_and_centre(build):
-    body = anatomy(build)
+    body = scaled_anatomy(build)
     chains = body.chains()
     model = dancer_spec(body, 0, 1, BodyConfig()).compile()
     for row, segment in enumerate(body.segments):
@@ -36,7 +37,7 @@ def test_segments_have_the_models_mass_and_centre(build):
 
 @pytest.mark.parametrize("build", BUILDS, ids=str)
 def test_the_head_is_at_the_stature(build):
-    body = anatomy(build)
+    body = scaled_anatomy(build)
     model = dancer_spec(body, 0, 1, BodyConfig()).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -47,14 +48,14 @@ def test_the_head_is_at_the_stature(build):
 
 
 def test_every_joint_of_the_kinect_has_its_place():
-    body = anatomy(Build())
+    body = scaled_anatomy(Build())
     assert set(body.joints) == set(JOINTS)
     left, right = (np.array(body.joints[f"Ankle{side}"][1]) for side in ("Left", "Right"))
     assert left == pytest.approx(right)
 
 
 def test_parents_come_before_children():
-    assert all(segment.parent < row for row, segment in enumerate(anatomy(Build()).segments))
+    assert all(segment.parent < row for row, segment in enumerate(scaled_anatomy(Build()).segments))
 
 
 @pytest.mark.parametrize(

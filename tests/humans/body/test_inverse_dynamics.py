@@ -9,9 +9,10 @@ import pytest
 from sjasim.assets.names import ACTUATED, ACTUATED_INDEX
 from sjasim.config import BodyConfig
 from sjasim.core import Move
-from sjasim.humans.body.anatomy import Build, anatomy
-from sjasim.humans.body.inverse_dynamics import hinge_torques, masses
+from sjasim.humans.body.anatomy import Build
+from sjasim.humans.body.inverse_dynamics import hinge_torques, place_chains
 from sjasim.humans.body.mjcf import dancer_spec
+from sjasim.humans.body.proportions import scaled_anatomy
 from sjasim.humans.motion.planner import Planner
 from sjasim.humans.motion.reference_trajectory import ReferenceTrajectory
 
@@ -26,7 +27,7 @@ def planned(body):
 
 
 def test_hanging_and_standing_torques_are_those_of_statics():
-    body = anatomy(Build())
+    body = scaled_anatomy(Build())
     chains = body.chains()
     r = planned(body)
     ankle = [r.torque[10, ACTUATED_INDEX[f"ankle_y_{side}"]] for side in "LR"]
@@ -34,7 +35,7 @@ def test_hanging_and_standing_torques_are_those_of_statics():
     assert abs(sum(ankle)) == pytest.approx(75 * 9.81 * ahead, rel=0.06)
     q = np.zeros((1, 25))
     q[0, ACTUATED_INDEX["elbow_L"]] = -np.pi / 2
-    placed = masses(chains, q, np.zeros((1, 3)), np.zeros(1))
+    placed = place_chains(chains, q, np.zeros((1, 3)), np.zeros(1))
     arm = hinge_torques(chains, placed, np.zeros((1, 2, 3)), np.full(1, 0.5), 1 / HZ)
     fore, hand = 0.016 * 75, 0.006 * 75
     length = 0.146 * 1.75
@@ -45,7 +46,7 @@ def test_hanging_and_standing_torques_are_those_of_statics():
 @pytest.mark.parametrize("build", [Build(), Build(1.55, 90.0)], ids=str)
 def test_torques_of_a_walk_are_mujocos(build):
     """MuJoCo's inverse dynamics without contact, while the right foot swings: its leg, the arms and the trunk."""
-    body = anatomy(build)
+    body = scaled_anatomy(build)
     r = planned(body)
     model = dancer_spec(body, 0, 1, BodyConfig()).compile()
     model.dof_armature[:], model.dof_damping[:] = 0.0, 0.0

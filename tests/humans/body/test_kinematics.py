@@ -8,9 +8,10 @@ import pytest
 
 from sjasim.assets.names import ACTUATED, ACTUATED_INDEX, JOINT_INDEX, JOINTS, LEG_JOINTS
 from sjasim.config import BodyConfig
-from sjasim.humans.body.anatomy import Build, anatomy
-from sjasim.humans.body.kinematics import com_offsets, joint_positions, legs
+from sjasim.humans.body.anatomy import Build
+from sjasim.humans.body.kinematics import com_offsets, joint_positions, leg_angles
 from sjasim.humans.body.mjcf import dancer_spec
+from sjasim.humans.body.proportions import scaled_anatomy
 from sjasim.humans.motion.planner import LEG_COLUMNS
 
 BUILDS = [Build(), Build(1.52, 95.0), Build(1.93, 55.0)]
@@ -22,7 +23,7 @@ class Model:
     """A dancer in MuJoCo, put into postures."""
 
     def __init__(self, build: Build) -> None:
-        self.body = anatomy(build)
+        self.body = scaled_anatomy(build)
         self.model = dancer_spec(self.body, 0, 1, BodyConfig()).compile()
         self.data = mujoco.MjData(self.model)
 
@@ -86,7 +87,7 @@ def test_legs_put_ankles_where_asked_and_soles_flat(build):
     chains = model.body.chains()
     pelvis, yaw, ankles, foot_yaw = reachable(model.body, 3)
     q = np.zeros((len(pelvis), 25))
-    legs(pelvis, yaw, ankles, foot_yaw, chains.leg, q, LEG_COLUMNS)
+    leg_angles(pelvis, yaw, ankles, foot_yaw, chains.leg, q, LEG_COLUMNS)
     for t in range(len(pelvis)):
         joints = joint_positions(chains, q[t], pelvis[t], yaw[t])
         assert np.abs(joints[ANKLES] - ankles[t]).max() < 1e-9
@@ -98,20 +99,20 @@ def test_legs_put_ankles_where_asked_and_soles_flat(build):
 
 
 def test_knees_bend_forward_only():
-    body = anatomy(Build())
+    body = scaled_anatomy(Build())
     pelvis, yaw, ankles, foot_yaw = reachable(body, 4)
     q = np.zeros((len(pelvis), 25))
-    legs(pelvis, yaw, ankles, foot_yaw, body.chains().leg, q, LEG_COLUMNS)
+    leg_angles(pelvis, yaw, ankles, foot_yaw, body.chains().leg, q, LEG_COLUMNS)
     assert (q[:, LEG_COLUMNS[:, LEG_JOINTS.index("knee")]] > 0).all()
 
 
 def test_a_target_out_of_reach_gets_the_straight_leg_that_points_at_it():
-    body = anatomy(Build())
+    body = scaled_anatomy(Build())
     chains = body.chains()
     pelvis, yaw, ankles, foot_yaw = reachable(body, 5, 50)
     pelvis[:, 2] += 0.4
     q = np.zeros((len(pelvis), 25))
-    legs(pelvis, yaw, ankles, foot_yaw, chains.leg, q, LEG_COLUMNS)
+    leg_angles(pelvis, yaw, ankles, foot_yaw, chains.leg, q, LEG_COLUMNS)
     assert np.isfinite(q).all()
     for t in range(len(pelvis)):
         joints = joint_positions(chains, q[t], pelvis[t], yaw[t])
@@ -122,10 +123,10 @@ def test_a_target_out_of_reach_gets_the_straight_leg_that_points_at_it():
 
 
 def test_other_columns_are_left_alone():
-    body = anatomy(Build())
+    body = scaled_anatomy(Build())
     q = np.full((1, 25), 0.123)
     pelvis, yaw, ankles, foot_yaw = reachable(body, 6, 1)
-    legs(pelvis, yaw, ankles, foot_yaw, body.chains().leg, q, LEG_COLUMNS)
+    leg_angles(pelvis, yaw, ankles, foot_yaw, body.chains().leg, q, LEG_COLUMNS)
     others = np.setdiff1d(np.arange(25), LEG_COLUMNS)
     assert (q[:, others] == 0.123).all()
     assert ACTUATED_INDEX["knee_L"] not in others

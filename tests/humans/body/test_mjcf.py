@@ -7,12 +7,13 @@ import pytest
 
 from sjasim.assets.names import ACTUATED, FLOOR_BIT, HAND_BIT, ROBOT_BIT, TETHERED, dancer_bit
 from sjasim.config import BodyConfig
-from sjasim.humans.body.anatomy import Build, anatomy
+from sjasim.humans.body.anatomy import Build
 from sjasim.humans.body.mjcf import GAINS, dancer_spec
+from sjasim.humans.body.proportions import scaled_anatomy
 
 
 def model(build=None, index=0, group=1, config=None):
-    return dancer_spec(anatomy(build or Build()), index, group, config or BodyConfig()).compile()
+    return dancer_spec(scaled_anatomy(build or Build()), index, group, config or BodyConfig()).compile()
 
 
 @pytest.mark.parametrize("build", [Build(1.5, 50.0), Build(1.95, 100.0), Build(1.6, 90.0)], ids=str)

@@ -7,13 +7,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sjasim.humans.body.anatomy import Build, anatomy
+from sjasim.humans.body.anatomy import Build
+from sjasim.humans.body.proportions import scaled_anatomy
 from sjasim.humans.motion.footsteps import SHIFT_S, Feet, easing, pelvis_height, turn, walk
 from sjasim.humans.motion.reference_trajectory import ReferenceTrajectory
 from sjasim.humans.motion.speed_profile import smooth, speed_profile
 
 DT = 1 / 60
-BODY = anatomy(Build())
+BODY = scaled_anatomy(Build())
 
 
 def feet(seconds: float = 14.0, heading: float = np.pi / 2):

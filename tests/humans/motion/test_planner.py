@@ -8,8 +8,9 @@ import pytest
 from sjasim.assets.names import ACTUATED_INDEX, JOINT_INDEX
 from sjasim.core import Cue, Move
 from sjasim.core.errors import ConfigError
-from sjasim.humans.body.anatomy import Build, anatomy
+from sjasim.humans.body.anatomy import Build
 from sjasim.humans.body.kinematics import joint_positions
+from sjasim.humans.body.proportions import scaled_anatomy
 from sjasim.humans.motion.planner import PREVIEW_S, Planner, _pendulum
 from sjasim.humans.motion.reference_trajectory import ReferenceTrajectory
 
@@ -22,7 +23,7 @@ class Plan:
     """One dancer's plan and what it was made from."""
 
     def __init__(self, body=None, seconds: float = 22.0) -> None:
-        self.body = body or anatomy(Build())
+        self.body = body or scaled_anatomy(Build())
         self._reference = ReferenceTrajectory.empty(1, round(seconds * HZ)).for_dancer(0)
         self.planner = Planner(self.body, np.zeros(2), NORTH, 0.5, NORTH, HZ, self._reference)
 
@@ -190,7 +191,7 @@ def test_arms_swing_against_the_legs():
 
 @pytest.mark.parametrize("build", [Build(1.5, 50), Build(), Build(1.95, 100)], ids=str)
 def test_hands_meet_at_the_clap(build):
-    plan = Plan(anatomy(build))
+    plan = Plan(scaled_anatomy(build))
     plan.planner.extend([walk_cue(Move.CLAP, 2.0, 0.0)], 0.0)
     r, chains = plan.reference, plan.body.chains()
     hands = [JOINT_INDEX["HandLeft"], JOINT_INDEX["HandRight"]]
