@@ -4,8 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from . import Kind
+from . import Kind, Move
 from .tempo import TempoMap
+
+ROBOT_MOVES = {
+    Kind.START_FORWARD: Move.FORWARD,
+    Kind.STOP_FORWARD: Move.STOP,
+    Kind.START_BACKWARD: Move.BACKWARD,
+    Kind.STOP_BACKWARD: Move.STOP,
+    Kind.CLAP: Move.TURN,
+    Kind.TURN: Move.TURN,
+}
+"""Kind of a step -> the robot's move; the robot turns where dancers clap (iqbal2016, section II-C)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""The server: clients' messages in, events out; the method's answers in, robot commands out."""
+"""The server: messages of the sensor clients in, events out; a method's actions in, robot commands out."""
 
 from .dispatcher import Dispatcher
 from .fusion import Server

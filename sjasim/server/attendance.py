@@ -1,4 +1,4 @@
-"""Who dances: a member of the cast of whom an iteration, or the rest of one, shows nothing is reported."""
+"""Reports dancers with no events in an iteration, or with none after some step of it."""
 
 from __future__ import annotations
 
@@ -9,59 +9,78 @@ from ..choreography.timetable import Timetable
 from ..core import Event
 from ..core.session_log import Notice
 
-WAIT_S = 0.5
-"""How long after the window's end its last events may arrive: some 20 times the network's delay (assumed)."""
+ARRIVAL_MARGIN_S = 0.5
+"""Time after the end of an iteration's window in which its last events may still arrive [s].
 
+About 20 times the default delay of the network (assumed).
+"""
 
-BEHIND_S = 1.5
-"""So long after the music a dancer may do a step before it counts as left out (assumed)."""
+LATE_STEP_S = 1.5
+"""Delay behind the music up to which a dancer's step is late rather than left out [s] (assumed)."""
 
-LEFT_OUT = 3
-"""With so many steps left out at its end a window is reported: somebody's last phrase is hidden now and then, the clap
-after it rarely (three are left out in one of some 400 windows with the default layout)."""
+MIN_LEFT_OUT = 3
+"""Number of steps left out at the end of an iteration from which it is reported.
+
+The last phrase of a dancer is sometimes hidden from the sensor, the clap after it rarely: with the default layout
+three steps are missing in about one of 400 iterations in which the dancer did them.
+"""
 
 
 class AttendanceMonitor:
-    """Counts everybody's regular events, iteration by iteration.
+    """Counts the regular events of each dancer and reports dancers who are missing from an iteration.
 
     Args:
         cast: names of the dancers.
-        timetable: when the windows close, and when which step is due.
+        timetable: when the windows of the iterations end, and when each step is due.
+
+    Attributes:
+        next_due_s: session time at which `check` has something to do [s]; infinite after the last iteration.
     """
 
     def __init__(self, cast: Sequence[str], timetable: Timetable) -> None:
         self._cast = tuple(cast)
         self._timetable = timetable
         self._steps = timetable.choreography.steps()
-        self._closes = [(timetable.close_s(i) + WAIT_S, i) for i in range(timetable.first, timetable.last + 1)]
-        self._seen: dict[tuple[int, str], tuple[int, float]] = {}
-        self.next_due_s = self._closes[0][0]
-        """Session time of the next call; infinite after the last."""
+        self._open = [
+            (timetable.close_s(iteration) + ARRIVAL_MARGIN_S, iteration)
+            for iteration in range(timetable.first, timetable.last + 1)
+        ]
+        self._attended: dict[tuple[int, str], tuple[int, float]] = {}
+        """(iteration, dancer) -> number of events and session time of the last one [s]."""
+        self.next_due_s = self._open[0][0]
 
-    def saw(self, event: Event) -> None:
-        """Somebody did something; early events do not count."""
-        if not event.early:
-            key = (event.iteration, event.person)
-            count, last_s = self._seen.get(key, (0, event.t_s))
-            self._seen[key] = (count + 1, max(last_s, event.t_s))
+    def add(self, event: Event) -> None:
+        """Count an event. Early events are left out, because a regular event follows them."""
+        if event.early:
+            return
+        key = (event.iteration, event.person)
+        count, last_s = self._attended.get(key, (0, event.t_s))
+        self._attended[key] = (count + 1, max(last_s, event.t_s))
 
-    def judge(self, t_s: float) -> list[Notice]:
-        """Who was missing in the windows that have closed by session time ``t_s``, or missing from some time on."""
+    def check(self, t_s: float) -> list[Notice]:
+        """Notices of dancers missing from the iterations that have ended by session time ``t_s``.
+
+        Each iteration is checked once.
+        """
         notices: list[Notice] = []
         while self.next_due_s <= t_s:
-            _, iteration = self._closes.pop(0)
-            self.next_due_s = self._closes[0][0] if self._closes else math.inf
+            _, iteration = self._open.pop(0)
+            self.next_due_s = self._open[0][0] if self._open else math.inf
+
             for name in self._cast:
-                if what := self._absence(iteration, name):
-                    notices.append(Notice(t_s, name, what))
+                absence = self._absence(iteration, name)
+                if absence:
+                    notices.append(Notice(t_s, name, absence))
         return notices
 
     def _absence(self, iteration: int, name: str) -> str:
-        """What to report of one dancer in a closed window, or ""."""
-        if (iteration, name) not in self._seen:
+        """Text of the notice for one dancer in an iteration that has ended, or "" if there is nothing to report."""
+        if (iteration, name) not in self._attended:
             return f"no event seen in iteration {iteration}"
-        count, last_s = self._seen[iteration, name]
+
+        count, last_s = self._attended[iteration, name]
         due_s = (self._timetable.time_s(iteration, step.beat) for step in self._steps)
-        if sum(time > last_s + BEHIND_S for time in due_s) < LEFT_OUT:
+        left_out = sum(time_s > last_s + LATE_STEP_S for time_s in due_s)
+        if left_out < MIN_LEFT_OUT:
             return ""
         return f"no event seen in iteration {iteration} after {count} of {len(self._steps)}"

@@ -1,4 +1,4 @@
-"""Which clients help with claps: people whose hands the active client does not see are looked at from the side."""
+"""Side sensors that help to detect claps: their claps count for dancers whose hands the active sensor does not see."""
 
 from __future__ import annotations
 
@@ -10,47 +10,55 @@ from ..choreography.timetable import Timetable
 from ..core import Kind
 
 UNSEEN_S = 1.0
-"""Hands count as unseen for so long after a report of the active client that lacks them: five reports. Hanging hands
-may be hidden where raised ones are not, and the other way round (assumed)."""
+"""How long hands count as unseen after a report of the active client without them [s]: five reports (assumed).
+
+Hands that hang may be occluded where raised hands are not, and the other way round.
+"""
 
 
 class ClapAssistance:
-    """The one exception to "only the active client's events count".
+    """Decides for whose claps the clients at the side are asked, and which of their claps count.
 
-    A clap that another client reports counts if it lies within ``side_clap_window_s`` of a beat on which the score has a clap
-    and the active client, in a report of the last `UNSEEN_S` before it, did not see both hands of that person. With
-    ``side_clap_window_s`` 0 none does.
+    This is the one exception to the rule that only events of the active client count. A clap from another client
+    counts if both hold: it lies within ``side_clap_window_s`` of a beat on which the score has a clap, and within the
+    last `UNSEEN_S` before it the active client has reported the dancer without both hands.
 
     Args:
         cast: names of the dancers.
         timetable: when claps are due.
-        side_clap_window_s: half the width of the window around each.
+        side_clap_window_s: half the width of the window around each clap's beat [s]; 0 turns the assistance off.
     """
 
     def __init__(self, cast: Sequence[str], timetable: Timetable, side_clap_window_s: float) -> None:
         self._cast = tuple(cast)
+        self._half_width_s = side_clap_window_s
+        self._unseen_since_s = dict.fromkeys(self._cast, -math.inf)
+
         beats = [step.beat for step in timetable.choreography.steps() if step.kind is Kind.CLAP]
-        span = range(timetable.first, timetable.last + 1) if side_clap_window_s > 0.0 else ()
-        self._due_s = sorted(timetable.time_s(iteration, beat) for iteration in span for beat in beats)
-        self._assist_s = side_clap_window_s
-        self._unseen_s = dict.fromkeys(self._cast, -math.inf)
+        iterations = range(timetable.first, timetable.last + 1) if side_clap_window_s > 0.0 else ()
+        self._claps_s = sorted(timetable.time_s(iteration, beat) for iteration in iterations for beat in beats)
 
-    def saw(self, t_s: float, hands: Iterable[str]) -> None:
-        """The active client's report of session time ``t_s``: of whom it sees both hands."""
-        for name in set(self._cast).difference(hands):
-            self._unseen_s[name] = t_s
+    def update(self, t_s: float, visible: Iterable[str]) -> None:
+        """Record a report of the active client.
 
-    def window(self, t_s: float) -> bool:
-        """Whether a clap is due about session time ``t_s``."""
-        after = bisect_left(self._due_s, t_s - self._assist_s)
-        return after < len(self._due_s) and self._due_s[after] <= t_s + self._assist_s
+        Args:
+            t_s: session time of the report [s].
+            visible: dancers of whom it sees both hands.
+        """
+        for name in set(self._cast).difference(visible):
+            self._unseen_since_s[name] = t_s
+
+    def in_window(self, t_s: float) -> bool:
+        """Whether a session time lies in the window around a clap's beat."""
+        index = bisect_left(self._claps_s, t_s - self._half_width_s)
+        return index < len(self._claps_s) and self._claps_s[index] <= t_s + self._half_width_s
 
     def unseen(self, t_s: float) -> list[str]:
-        """Whose hands the active client did not see lately; nobody's outside the windows."""
-        if not self.window(t_s):
+        """Dancers whose hands the active client has not seen lately; empty outside the windows."""
+        if not self.in_window(t_s):
             return []
-        return [name for name, since_s in self._unseen_s.items() if t_s - since_s <= UNSEEN_S]
+        return [name for name, since_s in self._unseen_since_s.items() if t_s - since_s <= UNSEEN_S]
 
-    def counts(self, name: str, t_s: float) -> bool:
-        """Whether a clap of session time ``t_s`` counts that a client other than the active one reports."""
+    def accepts(self, name: str, t_s: float) -> bool:
+        """Whether a clap of this dancer at session time ``t_s`` counts though the active client did not report it."""
         return name in self.unseen(t_s)

@@ -1,176 +1,207 @@
-"""How far a client's clock is from the server's: exchanges of four time stamps, the quickest of which count.
+"""Estimation of a client's clock from exchanges of four time stamps, of which the quickest carry the most weight.
 
-A reading is modelled as ``t_device = t + offset + drift (t - origin)``. The error of one exchange is half the
-difference of its two one-way delays, so it never exceeds half the round trip; a constant asymmetry of the link
-cannot be seen from inside and biases the offset by half of it.
+The device clock is modelled as ``t_device = t + offset + drift (t - origin)`` with session time ``t``. The error of
+one exchange is half the difference of its two one-way delays, so it never exceeds half of the round trip. A constant
+asymmetry of the link cannot be observed and biases the offset by half of it.
 
-Source: mills1991 (four time stamps, minimum-delay filter), with a least-squares line for the drift.
+Source: mills1991 (four time stamps, minimum-delay filter); the drift comes from a weighted least-squares line instead.
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from ..core import SyncReply
 
-BUCKET = 8
-"""LinkMonitor among which the quickest is kept: 2 s at 4 Hz."""
+BUCKET_SIZE = 8
+"""Number of consecutive exchanges of which only the quickest is kept: 2 s at 4 Hz."""
 
-KEPT = 16
-"""Quickest exchanges the line is fitted to: about half a minute at 4 Hz."""
+MAX_KEPT = 16
+"""Number of kept exchanges that the line is fitted to: about half a minute at 4 Hz."""
 
-FEW = 3
-"""With fewer buckets than these every exchange counts, and the clock is not yet settled."""
+MIN_KEPT = 3
+"""Number of kept exchanges from which the clock counts as settled. Before, every exchange is used."""
 
-MANY = 8
-"""With so many buckets their round trips tell how far the estimate can be wrong."""
+MIN_KEPT_FOR_SPREAD = 8
+"""Number of kept exchanges from which the spread of their round trips bounds the error of the estimate."""
 
 DRIFT_SD = 2e-4
-"""What is expected of a drift before any exchange (s.d.; assumed: a PC's quartz has 5e-5): a few seconds of exchanges,
-whose own error looks like a larger drift, do not say much against it."""
+"""Prior standard deviation of the drift (assumed; the quartz of a PC has 5e-5).
+
+It keeps the noise of the first few seconds from looking like a large drift.
+"""
 
 DELAY_FLOOR_S = 0.002
-"""By how much the quickest exchange of all is still thought to be delayed [s]; assumed."""
+"""Extra delay that even the quickest exchange is assumed to have [s] (assumed); it keeps weights finite."""
 
 LONG_GAP_S = 6.0
-"""After so long without an exchange the clock's drift is allowed for before a jump is called one [s]."""
+"""Time without an exchange from which the uncertainty of the drift is added before a jump is reported [s]."""
 
 MARGIN_S = 0.005
-"""What a jump must exceed beyond the delay bound [s]."""
+"""Smallest deviation beyond the bound of the delays that counts as a jump of the clock [s]."""
 
 MAX_DRIFT = 1e-3
-"""Relative rate error no clock exceeds: what an old estimate may have gone wrong by per second."""
+"""Largest relative rate error of a clock; bounds the estimate and the error that it gains per second."""
 
-Sample = tuple[float, float, float]
-"""Session time of the exchange's middle [s], offset [s], round trip [s]."""
+
+class Sample(NamedTuple):
+    """One clock exchange.
+
+    Attributes:
+        t_s: session time of its middle [s].
+        offset_s: device clock minus session clock [s].
+        round_trip_s: round trip time without the device's own processing [s].
+    """
+
+    t_s: float
+    offset_s: float
+    round_trip_s: float
 
 
 class ClockSync:
-    """Estimate of one client's clock.
+    """Estimate of one client's clock; unlocked until the first exchange."""
 
-    Until the first exchange it is unlocked and a device time means nothing.
-    """
-
-    __slots__ = ("_best", "_drift", "_mean", "_offset_s", "_origin_s", "_quickest", "_recent", "_round_trip_s")
+    __slots__ = (
+        "_bucket", "_centroid", "_drift", "_kept", "_offset_s", "_origin_s", "_quickest", "_round_trip_s",
+    )  # fmt: skip
 
     def __init__(self) -> None:
-        self._best: deque[Sample] = deque(maxlen=KEPT)
-        self._recent: list[Sample] = []
-        self._quickest: Sample = (0.0, 0.0, math.inf)
+        self._kept: deque[Sample] = deque(maxlen=MAX_KEPT)
+        self._bucket: list[Sample] = []
+        self._quickest = Sample(0.0, 0.0, math.inf)
+        """The quickest exchange of the present bucket."""
         self._origin_s = 0.0
         self._offset_s = 0.0
         self._drift = 0.0
-        self._mean = (0.0, 0.0)
+        self._centroid = (0.0, 0.0)
+        """Weighted mean of the samples' times and offsets, through which the fitted line goes [s]."""
         self._round_trip_s = math.inf
 
     @property
     def locked(self) -> bool:
         """Whether there is an estimate."""
-        return bool(self._best or self._recent)
+        return bool(self._kept or self._bucket)
 
     @property
     def settled(self) -> bool:
-        """Whether it has had exchanges enough since it began or jumped."""
-        return len(self._best) >= FEW
+        """Whether there have been enough exchanges since the start or the last jump."""
+        return len(self._kept) >= MIN_KEPT
 
     @property
     def offset_s(self) -> float:
-        """Device clock minus session clock, at the time of the last exchange [s]."""
+        """Device clock minus session clock at the time of the last exchange [s]."""
         return self._offset_s
 
     @property
     def drift(self) -> float:
-        """Relative rate error; near 0 until the exchanges span some ten seconds (`DRIFT_SD`)."""
+        """Relative rate error; near 0 until the exchanges span about ten seconds, see `DRIFT_SD`."""
         return self._drift
 
     @property
     def round_trip_s(self) -> float:
-        """Quickest round trip among the samples held [s]; infinite while unlocked."""
+        """Shortest round trip among the samples held [s]; infinite while unlocked."""
         return self._round_trip_s
 
     def session_time(self, t_device_s: float) -> float:
-        """Session time of a device time, by the present estimate [s]."""
+        """Session time of a device time by the present estimate [s]; the device time itself while unlocked."""
         return self._origin_s + (t_device_s - self._offset_s - self._origin_s) / (1.0 + self._drift)
 
     def add(self, reply: SyncReply, t_arrival_s: float) -> float:
-        """Take in an exchange.
+        """Update the estimate with an exchange.
+
+        An exchange with a negative round trip is impossible, for instance one during which the clock jumped. It is
+        ignored.
 
         Args:
             reply: what the client sent back.
-            t_arrival_s: session time of its arrival.
+            t_arrival_s: session time of its arrival [s].
 
         Returns:
-            0, or the size of the jump the clock has made [s]: the exchange then lies so far from the estimate that
-            no delay can explain it, and everything older is forgotten. An impossible exchange (negative round
-            trip, as one that spans the jump) is ignored.
+            0, or the size of a jump of the clock [s]. A jump is reported when the exchange is farther from the
+            estimate than delays can explain; all earlier exchanges are then discarded.
         """
-        delay = (t_arrival_s - reply.t_server_send_s) - (reply.t_device_send_s - reply.t_device_receive_s)
-        if delay < -MARGIN_S:
+        round_trip = (t_arrival_s - reply.t_server_send_s) - (reply.t_device_send_s - reply.t_device_receive_s)
+        if round_trip < -MARGIN_S:
             return 0.0
-        delay = max(delay, 0.0)
+        round_trip = max(round_trip, 0.0)
         offset = (reply.t_device_receive_s - reply.t_server_send_s + reply.t_device_send_s - t_arrival_s) / 2
         middle = (reply.t_server_send_s + t_arrival_s) / 2
-        jump = self._jump(middle, offset, delay)
+        sample = Sample(middle, offset, round_trip)
+
+        jump = self._detect_jump(sample)
         if jump:
-            self._best.clear()
-            self._recent.clear()
+            self._kept.clear()
+            self._bucket.clear()
             self._drift = 0.0
-        sample = (middle, offset, delay)
-        quicker = not self._recent or delay < self._quickest[2]
-        self._recent.append(sample)
-        if quicker:
+
+        is_quickest = not self._bucket or round_trip < self._quickest.round_trip_s
+        self._bucket.append(sample)
+        if is_quickest:
             self._quickest = sample
-        if quicker or not self.settled:
-            self._fit()
-        mean_t, mean_o = self._mean
+
+        # A slower exchange in a settled bucket is not used, so the line stays as it is.
+        if is_quickest or not self.settled:
+            self._fit_line()
+        mean_t, mean_offset = self._centroid
         self._origin_s = middle
-        self._offset_s = mean_o + self._drift * (middle - mean_t)
-        if len(self._recent) >= BUCKET:
-            self._best.append(self._quickest)
-            self._recent.clear()
+        self._offset_s = mean_offset + self._drift * (middle - mean_t)
+
+        if len(self._bucket) >= BUCKET_SIZE:
+            self._kept.append(self._quickest)
+            self._bucket.clear()
         return jump
 
-    def _jump(self, middle: float, offset: float, delay: float) -> float:
-        """How far an exchange lies from the estimate, if no delays can explain it, else 0.
+    def _detect_jump(self, sample: Sample) -> float:
+        """Distance of an exchange from the estimate if delays cannot explain it [s], else 0.
 
-        Neither errs by more than half of what its exchanges took longer than the quickest possible, which is a little
-        less than the quickest that is held; while few are held, by half of all that they took.
+        Exchange and estimate are each wrong by at most half of their round trip beyond the shortest possible one.
+        With many kept exchanges the shortest of them stands for that; with few, the whole round trips bound the error.
         """
         if not self.locked:
             return 0.0
-        age = middle - self._origin_s
-        change = offset - (self._offset_s + self._drift * age)
-        if len(self._best) >= MANY:
-            slowest = max([held for _, _, held in self._best])
-            unsure = max(delay - self._round_trip_s, 0.0) / 2 + slowest - self._round_trip_s
+        age = sample.t_s - self._origin_s
+        change = sample.offset_s - (self._offset_s + self._drift * age)
+
+        if len(self._kept) >= MIN_KEPT_FOR_SPREAD:
+            slowest = max([kept.round_trip_s for kept in self._kept])
+            uncertainty = max(sample.round_trip_s - self._round_trip_s, 0.0) / 2 + slowest - self._round_trip_s
         else:
-            unsure = (delay + self._round_trip_s) / 2
-        bound = unsure + MARGIN_S + (0.0 if age < LONG_GAP_S else MAX_DRIFT * age)
+            uncertainty = (sample.round_trip_s + self._round_trip_s) / 2
+
+        bound = uncertainty + MARGIN_S + (0.0 if age < LONG_GAP_S else MAX_DRIFT * age)
         return change if abs(change) > bound else 0.0
 
-    def _fit(self) -> None:
-        """A line through the quickest exchanges, whose slope is a quartz's unless they say otherwise.
+    def _fit_line(self) -> None:
+        """Fit a weighted line to the exchanges held, with a Gaussian prior on its slope, the drift."""
+        samples = [*self._kept, *((self._quickest,) if self.settled else self._bucket)]
+        quickest = min([sample.round_trip_s for sample in samples])
+        weights = _weights(samples, quickest)
 
-        The error of an exchange with so much more delay than need be is spread evenly over half that to both sides;
-        a slow one therefore weighs little.
-        """
-        samples = [*self._best, *((self._quickest,) if self.settled else self._recent)]
-        quickest = min([delay for _, _, delay in samples])
-        weight = mean_t = mean_o = 0.0
-        weights = []
-        for time, offset, delay in samples:
-            w = 12.0 / (DELAY_FLOOR_S + delay - quickest) ** 2
-            weights.append(w)
+        weight = mean_t = mean_offset = 0.0
+        for w, sample in zip(weights, samples, strict=True):
             weight += w
-            mean_t += w * time
-            mean_o += w * offset
+            mean_t += w * sample.t_s
+            mean_offset += w * sample.offset_s
         mean_t /= weight
-        mean_o /= weight
-        across, along = 0.0, 1.0 / DRIFT_SD**2
-        for w, (time, offset, _) in zip(weights, samples, strict=True):
-            along += w * (time - mean_t) ** 2
-            across += w * (time - mean_t) * (offset - mean_o)
-        self._drift = max(-MAX_DRIFT, min(MAX_DRIFT, across / along))
-        self._mean = mean_t, mean_o
+        mean_offset /= weight
+
+        covariance = 0.0
+        variance = 1.0 / DRIFT_SD**2
+        for w, sample in zip(weights, samples, strict=True):
+            variance += w * (sample.t_s - mean_t) ** 2
+            covariance += w * (sample.t_s - mean_t) * (sample.offset_s - mean_offset)
+
+        self._drift = max(-MAX_DRIFT, min(MAX_DRIFT, covariance / variance))
+        self._centroid = (mean_t, mean_offset)
         self._round_trip_s = quickest
+
+
+def _weights(samples: Sequence[Sample], quickest_s: float) -> list[float]:
+    """Inverse variances of the samples' offsets [1/s^2].
+
+    The offset error is uniform over plus and minus half of the extra delay, whose variance is its square over 12.
+    """
+    return [12.0 / (DELAY_FLOOR_S + sample.round_trip_s - quickest_s) ** 2 for sample in samples]

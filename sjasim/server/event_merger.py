@@ -1,4 +1,4 @@
-"""One stream of events from several clients: each event of the dance once, in session time, by name."""
+"""Merges the reports of several clients into one stream of events: session time, dancers' names, each event once."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from bisect import bisect_left
 from ..choreography.timetable import Timetable
 from ..core import DeviceEvent, Event, Kind
 
-SAME_S = 0.4
-"""Two reports of one person's move this close are one event: less than the shortest move (.8 s)."""
+SAME_MOVE_S = 0.4
+"""Two reports of one kind and person closer than this are one event [s]: half of the shortest move (.8 s)."""
+
+_KEPT_TIMES = 4
+"""Latest event times kept for each person and kind. Reports of one event arrive within a few frames of each other."""
 
 _MIRRORED = {
     Kind.START_FORWARD: Kind.START_BACKWARD,
@@ -16,46 +19,49 @@ _MIRRORED = {
     Kind.STOP_FORWARD: Kind.STOP_BACKWARD,
     Kind.STOP_BACKWARD: Kind.STOP_FORWARD,
 }
+"""Kind of a move as a sensor behind the person sees it -> what the person does."""
 
 
 class EventMerger:
-    """Turns device events that count into events, each once: two clients overlap at a hand-over.
+    """Turns accepted reports into events and drops duplicates; around a hand-over two clients report each event.
 
     Args:
-        timetable: whose windows divide the events into iterations.
-        clap_refractory_s: shortest time between two claps of one person: two reports closer than that are one.
+        timetable: windows of the iterations.
+        clap_refractory_s: shortest time between two claps of a person [s]; closer reports are one clap.
     """
 
     def __init__(self, timetable: Timetable, clap_refractory_s: float) -> None:
-        self._clap_rest_s = clap_refractory_s
+        self._clap_refractory_s = clap_refractory_s
         self._first = timetable.first
         self._closes_s = [timetable.close_s(i) for i in range(timetable.first, timetable.last + 1)]
         self._latest_s: dict[tuple[str, Kind, bool], list[float]] = {}
-
-    def iteration_at(self, t_s: float) -> int:
-        """The iteration whose window holds this session time (`Timetable.iteration_at`, looked up)."""
-        return self._first + min(bisect_left(self._closes_s, t_s), len(self._closes_s) - 1)
+        """(person, kind, early) -> session times of the latest events [s]."""
 
     def merge(
         self, report: DeviceEvent, person: str, t_s: float, t_arrival_s: float, *, mirrored: bool = False
     ) -> Event | None:
-        """Take in one report of a client that counts.
+        """Turn a client's report into an event.
 
         Args:
             report: as the client sent it.
-            person: cast name of whom it is about.
-            t_s: session time of the report.
-            t_arrival_s: session time of its arrival.
-            mirrored: whether the client sees the person's back, and takes forward for backward.
+            person: the dancer's name.
+            t_s: session time of the report [s].
+            t_arrival_s: session time of its arrival [s].
+            mirrored: whether the client sees the person from behind and therefore confuses forward and backward.
 
         Returns:
-            the event, or None if it has been counted already.
+            the event, or None if an earlier report of the same event has been merged already.
         """
         kind = _MIRRORED.get(report.kind, report.kind) if mirrored else report.kind
-        counted = self._latest_s.setdefault((person, kind, report.early), [])
-        same_s = self._clap_rest_s if kind is Kind.CLAP else SAME_S
-        if any(abs(t_s - before) < same_s for before in counted):
+        merged_s = self._latest_s.setdefault((person, kind, report.early), [])
+        min_gap_s = self._clap_refractory_s if kind is Kind.CLAP else SAME_MOVE_S
+        if any(abs(t_s - earlier_s) < min_gap_s for earlier_s in merged_s):
             return None
-        counted.append(t_s)
-        del counted[:-4]
-        return Event(person, kind, t_s, t_arrival_s, report.early, self.iteration_at(t_s), report.sensor)
+
+        merged_s.append(t_s)
+        del merged_s[:-_KEPT_TIMES]
+        return Event(person, kind, t_s, t_arrival_s, report.early, self._iteration_at(t_s), report.sensor)
+
+    def _iteration_at(self, t_s: float) -> int:
+        """The iteration whose window holds a session time, as `Timetable.iteration_at` but faster."""
+        return self._first + min(bisect_left(self._closes_s, t_s), len(self._closes_s) - 1)

@@ -1,4 +1,4 @@
-"""Who is who: identities that are local to a sensor -> names of the cast."""
+"""Assignment of dancers' names to the persons that sensors report, by their positions on the floor."""
 
 from __future__ import annotations
 
@@ -10,103 +10,117 @@ from scipy.optimize import linear_sum_assignment
 
 from ..core import Array, PersonStatus
 
-NEAR_M = 0.25
-"""A person this close to where their name was last seen is still the same; below half the least distance of two
-slots (.6 m)."""
+SAME_PLACE_M = 0.25
+"""A person this close to where their dancer was last seen keeps the name [m].
+
+Below half of the smallest distance between two slots (.6 m), so that two dancers cannot both be meant.
+"""
 
 REACH_M = 0.5
-REACH_M_S = 1.0
-"""How far from where it was last seen a name is looked for: a reach that grows with the time since (assumed: nobody
-in this dance walks faster)."""
+"""Distance from the last position within which a dancer is looked for [m]."""
 
-_FAR = 1e6
+REACH_M_S = 1.0
+"""Growth of that distance with the time since the dancer was last seen [m/s] (assumed: nobody walks faster)."""
+
+_NO_MATCH_COST = 1e6
+"""Assignment cost of a person and a dancer who cannot have come there [m]: beyond any real distance."""
 
 
 class IdentityAssigner:
-    """Names for the persons that sensors report, by their place on the floor.
+    """Assigns dancers' names to the persons of all sensors.
 
-    At the start everyone stands on their slot; from then on a name goes to whoever continues its path, in whichever
-    sensor, whatever local identity that sensor gives them. A person nobody's path leads to stays nameless.
+    At the start each dancer stands on their slot. From then on a name belongs to whoever continues the dancer's path,
+    in any sensor and whatever identity that sensor gives the person. A person whom no dancer can have become has no
+    name.
 
     Args:
-        names: the cast.
-        slots_m: (D, 2) where each of them stands at the start [m].
+        names: the dancers' names.
+        slots_m: (D, 2) their positions at the start [m].
     """
 
     def __init__(self, names: Sequence[str], slots_m: Array) -> None:
         self._names = tuple(names)
-        self._places = [(float(x), float(y)) for x, y in slots_m]
+        self._positions_m = [(float(x), float(y)) for x, y in slots_m]
         self._seen_s = [0.0] * len(self._names)
-        self._index: dict[str, dict[int, int]] = {}
+        self._indices: dict[str, dict[int, int]] = {}
+        """Sensor -> sensor's identity of a person -> index of the dancer."""
 
-    def known(self, sensor: str) -> Mapping[int, int]:
-        """A sensor's persons by their places in the cast; once somebody is another one, in another mapping."""
-        return self._index.get(sensor, {})
+    def cast_indices(self, sensor: str) -> Mapping[int, int]:
+        """A sensor's identities of persons -> indices of dancers. A change of identities gives a new mapping."""
+        return self._indices.get(sensor, {})
 
     def name(self, sensor: str, person: int) -> str | None:
-        """Cast name of a sensor's person, by its last report; None for somebody unknown."""
-        index = self._index.get(sensor, {}).get(person)
+        """Name of the dancer whom a sensor knows as ``person``; None if unknown."""
+        index = self._indices.get(sensor, {}).get(person)
         return None if index is None else self._names[index]
 
-    def local(self, sensor: str, name: str) -> int | None:
-        """A sensor's own identity for a member of the cast; None where it does not see them."""
-        index = self._names.index(name)
-        return next((person for person, known in self._index.get(sensor, {}).items() if known == index), None)
+    def person_id(self, sensor: str, name: str) -> int | None:
+        """A sensor's own identity of a dancer; None if it has not seen them."""
+        wanted = self._names.index(name)
+        indices = self._indices.get(sensor, {})
+        return next((person for person, index in indices.items() if index == wanted), None)
 
     def update(self, sensor: str, t_s: float, persons: Sequence[PersonStatus]) -> None:
-        """Take in where a sensor sees whom.
+        """Update names and positions with a sensor's report.
 
         Args:
-            sensor: whose report.
-            t_s: session time of the report.
-            persons: everyone it sees; somebody it has lost is simply not there, and a place that is not finite
-                counts as lost.
+            sensor: which sensor.
+            t_s: session time of the report [s].
+            persons: everyone it sees. A person whose position is not finite is treated as not seen.
         """
-        known = self._index.get(sensor, {})
-        if not self._go_on(known, persons):
+        indices = self._indices.get(sensor, {})
+        if not self._all_in_place(indices, persons):
             persons = [person for person in persons if math.isfinite(person.x_m) and math.isfinite(person.y_m)]
-            known = self._index[sensor] = self._renamed(known, t_s, persons)
+            indices = self._indices[sensor] = self._reassign(indices, t_s, persons)
+
         for person in persons:
-            index = known.get(person.person)
+            index = indices.get(person.person)
             if index is not None:
-                self._places[index] = (person.x_m, person.y_m)
+                self._positions_m[index] = (person.x_m, person.y_m)
                 self._seen_s[index] = t_s
 
-    def _go_on(self, known: Mapping[int, int], persons: Sequence[PersonStatus]) -> bool:
-        """Whether everybody is known and still where their name was."""
+    def _all_in_place(self, indices: Mapping[int, int], persons: Sequence[PersonStatus]) -> bool:
+        """Whether every person has a name and is where that dancer was last seen. False if a position is NaN."""
         for person in persons:
-            index = known.get(person.person)
-            if index is None or not self._distance(index, person) <= NEAR_M:
+            index = indices.get(person.person)
+            if index is None or not self._distance_m(index, person) <= SAME_PLACE_M:
                 return False
         return True
 
-    def _renamed(self, known: Mapping[int, int], t_s: float, persons: Sequence[PersonStatus]) -> dict[int, int]:
-        """Who is who, of those a sensor sees and those it has just lost."""
-        kept = [known.get(person.person) for person in persons]
-        if any(index is None or self._distance(index, person) > NEAR_M
-               for index, person in zip(kept, persons, strict=True)):  # fmt: skip
-            kept = self._assigned(t_s, persons)
-        present = {person.person: index for index, person in zip(kept, persons, strict=True) if index is not None}
-        for person_id, index in known.items():
-            if person_id not in present and index not in present.values():
-                present[person_id] = index  # an event of somebody just lost may still be under way
-        return present
+    def _reassign(self, indices: Mapping[int, int], t_s: float, persons: Sequence[PersonStatus]) -> dict[int, int]:
+        """New indices of dancers for the persons that a sensor sees and those it has just lost."""
+        assigned = [indices.get(person.person) for person in persons]
+        moved = (
+            index is None or self._distance_m(index, person) > SAME_PLACE_M
+            for index, person in zip(assigned, persons, strict=True)
+        )
+        if any(moved):
+            assigned = self._assign(t_s, persons)
+        found = {person.person: index for index, person in zip(assigned, persons, strict=True) if index is not None}
 
-    def _distance(self, index: int, person: PersonStatus) -> float:
-        x, y = self._places[index]
-        return math.hypot(person.x_m - x, person.y_m - y)
+        # A person just lost keeps the name for a while: one of their events may still be under way.
+        for person_id, index in indices.items():
+            if person_id not in found and index not in found.values():
+                found[person_id] = index
+        return found
 
-    def _assigned(self, t_s: float, persons: Sequence[PersonStatus]) -> list[int | None]:
-        """The names that fit best together; None for a person whom no name can have reached."""
-        cost = np.full((len(persons), len(self._names)), _FAR)
+    def _assign(self, t_s: float, persons: Sequence[PersonStatus]) -> list[int | None]:
+        """Index of a dancer for each person, with the smallest sum of distances; None beyond every dancer's reach."""
+        cost_m = np.full((len(persons), len(self._names)), _NO_MATCH_COST)
         for row, person in enumerate(persons):
             for index in range(len(self._names)):
-                reach = REACH_M + REACH_M_S * max(t_s - self._seen_s[index], 0.0)
-                distance = self._distance(index, person)
-                if distance <= reach:
-                    cost[row, index] = distance
-        found: list[int | None] = [None] * len(persons)
-        for row, index in zip(*linear_sum_assignment(cost), strict=True):
-            if cost[row, index] < _FAR:
-                found[int(row)] = int(index)
-        return found
+                reach_m = REACH_M + REACH_M_S * max(t_s - self._seen_s[index], 0.0)
+                distance_m = self._distance_m(index, person)
+                if distance_m <= reach_m:
+                    cost_m[row, index] = distance_m
+
+        assigned: list[int | None] = [None] * len(persons)
+        for row, index in zip(*linear_sum_assignment(cost_m), strict=True):
+            if cost_m[row, index] < _NO_MATCH_COST:
+                assigned[int(row)] = int(index)
+        return assigned
+
+    def _distance_m(self, index: int, person: PersonStatus) -> float:
+        """Distance between a person and the last position of a dancer [m]."""
+        x_m, y_m = self._positions_m[index]
+        return math.hypot(person.x_m - x_m, person.y_m - y_m)

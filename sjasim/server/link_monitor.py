@@ -1,4 +1,4 @@
-"""Which clock exchanges come back: the server's only way to see that a link loses packets."""
+"""Detection of links that lose packets, from the share of clock requests that are not answered."""
 
 from __future__ import annotations
 
@@ -6,60 +6,74 @@ from collections import deque
 
 from ..core.session_log import Notice
 
-ANSWER_S = 1.0
-"""An exchange that is not answered within this time is lost."""
+TIMEOUT_S = 1.0
+"""A clock request that is not answered within this time counts as lost [s]."""
 
-COUNTED = 40
-"""Latest exchanges that are judged: 10 s at 4 Hz."""
+WINDOW = 40
+"""Number of the latest clock requests that are evaluated: 10 s at 4 Hz."""
 
-LEAST = 20
-"""Fewer exchanges are not judged."""
+MIN_REQUESTS = 20
+"""Smallest number of clock requests that is evaluated."""
 
-LOSSY = 0.10
-"""Share of lost exchanges from which a link is reported; one way that is some 5 % of its packets. A well link's .2 %
-comes near it in one window of ten thousand (assumed)."""
+LOSS_ALARM = 0.10
+"""Share of lost clock requests from which a link is reported; packet loss is about half of it, since a request and its
+reply can both be lost. False-alarm rate on a link with 0.2 % loss: about 1e-4 per window (assumed)."""
 
 
 class LinkMonitor:
-    """The exchanges with one client, and what they say of its link.
+    """Counts the answered clock requests of one client and reports a link with high packet loss.
 
-    A link that begins to lose packets is reported once, and again only after it has been well (less than half of
-    `LOSSY`) meanwhile. A dead client says nothing about its link.
+    A link is reported once when its loss rises to `LOSS_ALARM`, and again only after it has fallen below half of that.
+    While the client is dead its link is not evaluated.
 
     Args:
-        sensor: whose.
+        sensor: name of the client's sensor.
     """
 
-    __slots__ = ("_answered", "_asked_s", "_lossy", "_sensor")
+    __slots__ = ("_answered", "_is_lossy", "_pending_s", "_sensor")
 
     def __init__(self, sensor: str) -> None:
         self._sensor = sensor
-        self._asked_s: deque[float] = deque()
-        self._answered: deque[bool] = deque(maxlen=COUNTED)
-        self._lossy = False
+        self._pending_s: deque[float] = deque()
+        self._answered: deque[bool] = deque(maxlen=WINDOW)
+        self._is_lossy = False
 
-    def asked(self, t_s: float) -> None:
-        """A request was sent at session time ``t_s``."""
-        self._asked_s.append(t_s)
+    def request_sent(self, t_s: float) -> None:
+        """Record that a clock request was sent at session time ``t_s``."""
+        self._pending_s.append(t_s)
 
-    def answered(self, t_send_s: float) -> None:
-        """The request sent at ``t_send_s`` was answered."""
-        if t_send_s in self._asked_s:
-            self._asked_s.remove(t_send_s)
+    def reply_received(self, t_send_s: float) -> None:
+        """Record the reply to the clock request that was sent at session time ``t_send_s``.
+
+        A reply after the timeout is ignored: its request already counts as lost.
+        """
+        if t_send_s in self._pending_s:
+            self._pending_s.remove(t_send_s)
             self._answered.append(True)
 
-    def judge(self, t_s: float, *, alive: bool) -> list[Notice]:
-        """What is to be reported at session time ``t_s``."""
-        while self._asked_s and t_s - self._asked_s[0] > ANSWER_S:
-            self._asked_s.popleft()
+    def check_loss(self, t_s: float, *, alive: bool) -> list[Notice]:
+        """Evaluate the link at session time ``t_s``; one notice if its loss has become high, else none.
+
+        Args:
+            t_s: session time [s].
+            alive: whether the client is alive.
+        """
+        while self._pending_s and t_s - self._pending_s[0] > TIMEOUT_S:
+            self._pending_s.popleft()
             self._answered.append(False)
+
+        # Requests to a dead client say nothing about its link.
         if not alive:
             self._answered.clear()
-        if len(self._answered) < LEAST:
+        count = len(self._answered)
+        if count < MIN_REQUESTS:
             return []
-        lost, count = self._answered.count(False), len(self._answered)
-        if self._lossy or lost < LOSSY * count:
-            self._lossy &= lost >= LOSSY / 2 * count
+
+        lost = self._answered.count(False)
+        if self._is_lossy or lost < LOSS_ALARM * count:
+            # Hysteresis: the alarm is armed again only below half of the threshold.
+            self._is_lossy &= lost >= LOSS_ALARM / 2 * count
             return []
-        self._lossy = True
+
+        self._is_lossy = True
         return [Notice(t_s, self._sensor, f"link loses packets: {lost} of the last {count} clock exchanges")]

@@ -1,93 +1,139 @@
-"""The conductor: one dance session, the only place that sees the whole circle.
+"""The session loop: connects the world, the server and an anticipation method, and records what passes between them.
 
-World -> uplinks -> server -> method -> dispatcher -> downlinks -> world again, each at the instant it is due.
+A message goes round in a circle:
+
+1. The **world** simulates dancers, robot and sensors. Its devices send messages: events and status reports of the
+   sensor clients, answers to clock requests, odometry of the robot.
+2. **Uplinks** deliver these messages to the server, with latency, jitter and packet loss.
+3. The **server** turns a client's report into an `Event`: session time instead of device time, a dancer's name instead
+   of a sensor's identity, each event once.
+4. The **method** is told of the event, of the boundaries of iterations and of its timers. It answers with actions:
+   schedule a command, cancel one, set a timer.
+5. The **dispatcher** keeps the schedule and sends each command to the robot when it is due.
+6. **Downlinks** deliver commands to the robot, and the server's orders and clock requests to the sensor clients.
+7. The **world** hands them to its devices, which act on them at their next control step or frame.
+
+Nothing outside the world runs on a fixed step. Every link, timer and boundary knows when it is due next, and the
+session processes them in order of time. The world is reached through its protocol only (`world.World`), so the same
+loop runs with simulated physics, with event times alone, or with real devices.
 """
 
 from __future__ import annotations
 
-import math
 import time
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from typing import cast
+from typing import NoReturn, SupportsIndex, cast
 
 from ..anticipation.checked_method import CheckedMethod
 from ..anticipation.method import HUMANS_ONLY, Method, build_method
 from ..choreography.layout import layout
 from ..choreography.timetable import timetable
-from ..config import FAULTS, SessionConfig
+from ..config import SessionConfig
 from ..config.toml_file import to_plain
-from ..core import ROBOT, ClientStatus, DeviceEvent, Event, MoveCommand, RobotState, SyncReply, dancer_name
+from ..core import ROBOT, ClientStatus, DeviceEvent, Event, MoveCommand, RobotState, SyncReply
 from ..core.clock import stream
-from ..core.errors import ConfigError
-from ..core.link import Link, LinkQuality, Mail
-from ..core.method_io import MethodContext
 from ..core.registry import resolve
 from ..core.session_log import Followed, Handover, SessionLog
 from ..server.dispatcher import Dispatcher
 from ..server.fusion import Server
-from .world import DownlinkMessage, UplinkMessage, World
+from .preparation import SessionLinks, check_fault_targets, iteration_boundaries, method_context
+from .world import UplinkMessage, World
+
+_TIME_TOLERANCE_S = 1e-9
+"""Session times closer than this are the same: sums of steps do not hit an end time exactly."""
 
 _PACKAGES = ("sjasim", "mujoco", "numpy", "scipy", "numba", "gymnasium", "rerun-sdk", "dm-control", "pyarrow")
+"""Packages whose versions are kept with a session's log."""
+
+_NOT_COPIED = (
+    "a session in progress cannot be copied or pickled, because its physics runs in compiled arrays: "
+    "run another Session with the same configuration, which gives the same session"
+)
 
 
 class Session:
-    """One dance, ready to run. Whoever steps it decides how far at a time.
+    """One session, ready to run: `advance` it as far as you like, then take its `log`.
+
+    `run_session` does both at once. How a session is divided into calls of `advance` does not change its outcome. A
+    session cannot be copied or pickled: another one with the same configuration gives the same outcome.
 
     Args:
         config: everything about the session.
-        method: used in place of the one that ``config.method`` names, which then is but a name; a driver from
-            outside, such as a learning environment's agent, gives one that answers nothing and orders moves of the
-            dispatcher itself.
+        method: used instead of the method that ``config.method`` names; the name then only labels it. A program that
+            drives the robot itself, such as a reinforcement learning environment, passes a method without actions and
+            commands moves with `Dispatcher.command_move`.
 
     Raises:
         SjasimError: a name is unknown, an option is not allowed, the layout does not fit the sensors, or a fault
-            has nobody to hit.
+            names a target that does not exist.
+
+    Attributes:
+        config: as given.
+        timetable: when iterations and beats fall.
+        layout: where dancers, robot and sensors stand.
+        method: the anticipation method; None in a session without a robot.
+        context: what the method was told before the dance.
+        server: clocks, identities and the choice of the active sensor.
+        dispatcher: schedule and commands of the robot.
+        world: dancers, robot and sensors.
+        end_s: session time at which the dance is over [s].
+        events: every event so far, in order of arrival.
+        commands: every new command to the robot so far, without repetitions.
+        device_events: every event that a client sent, with the session time of sending [s].
+        handovers: which sensor was active from when on.
+        followed: whom the method followed in each iteration.
     """
 
     def __init__(self, config: SessionConfig, method: Method | None = None) -> None:
-        self._started = time.process_time(), time.perf_counter()
+        self._cpu_start_s = time.process_time()
+        self._wall_start_s = time.perf_counter()
+
         self.config = config
         self.timetable = timetable(config)
         self.layout = layout(config)
-        _check_faults(config, [mount.name for mount in self.layout.mounts])
-        robot = config.method != HUMANS_ONLY
+        sensors = [mount.name for mount in self.layout.mounts]
+        check_fault_targets(config, sensors)
+
+        has_robot = config.method != HUMANS_ONLY
         self.method: Method | None = None
-        if robot:
+        self._checked_method: CheckedMethod | None = None
+        if has_robot:
             self.method = method or build_method(config.method, config.method_options)
-        self._hooks = None if self.method is None else CheckedMethod(config.method, self.method)
-        self.context = _context(self)
+            self._checked_method = CheckedMethod(config.method, self.method)
+
+        self.context = method_context(config, self.timetable)
         self.server = Server(self.timetable, self.layout, config)
         self.dispatcher = Dispatcher(
             self.context, self.timetable, self.layout, config.robot, config.network.heartbeat_hz
         )
-        world = cast("Callable[..., World]", resolve("world", config.fidelity).factory)
-        self.world = world(config, self.timetable, self.layout, robot=robot)
-        if self._hooks is not None:
-            self._hooks.reset(self.context, stream(config.seed, "anticipation", config.method))
-        self._open_links([mount.name for mount in self.layout.mounts])
-        self._boundaries = _boundaries(self)
-        self._circle = self._ups, self._downs, self.server, self.dispatcher, self._boundaries
-        """Who knows when something happens outside the world: an arrival, a timer, a boundary."""
+        world_factory = cast("Callable[..., World]", resolve("world", config.fidelity).factory)
+        self.world = world_factory(config, self.timetable, self.layout, robot=has_robot)
+        # A stream of its own: a method's random draws change neither the dancers nor the noise of the sensors.
+        if self._checked_method is not None:
+            self._checked_method.reset(self.context, stream(config.seed, "anticipation", config.method))
+
+        self._links = SessionLinks(config, sensors)
+        self._boundaries = iteration_boundaries(self.timetable)
+        # One attribute instead of five: `_process_due` reads it at every control step.
+        self._due_sources = self._links.uplink, self._links.downlink, self.server, self.dispatcher, self._boundaries
+
         self.world.active = self.server.active
+        self.end_s = self.world.end_s
         self.handovers = [Handover(0.0, self.server.active)]
         self.followed: list[Followed] = []
         self.events: list[Event] = []
         self.commands: list[MoveCommand] = []
         self.device_events: list[tuple[DeviceEvent, float]] = []
-        self.end_s = self.world.end_s
 
-    def _open_links(self, sensors: Sequence[str]) -> None:
-        network = self.config.network
-        down = LinkQuality(network.latency_s, network.jitter_s, network.packet_loss)
-        up = LinkQuality(network.latency_s + network.uplink_asymmetry_s, network.jitter_s, network.packet_loss)
-        names = (*sensors, ROBOT)
-        self._ups, self._downs = Mail[UplinkMessage](), Mail[DownlinkMessage]()
-        seed = self.config.seed
-        self._up = {name: Link(up, stream(seed, "link", name, "up"), self._ups) for name in names}
-        self._down = {name: Link(down, stream(seed, "link", name, "down"), self._downs) for name in names}
+    def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
+        """Refuse `copy.copy`, `copy.deepcopy` and `pickle` before anything is shared between two sessions.
+
+        Raises:
+            TypeError: always.
+        """
+        raise TypeError(_NOT_COPIED)
 
     @property
     def time_s(self) -> float:
@@ -95,91 +141,27 @@ class Session:
         return self.world.time_s
 
     def advance(self, until_s: float) -> None:
-        """Go on until a session time, instant by instant; where a caller pauses changes nothing."""
+        """Run the session until a session time [s]; a time that has passed changes nothing."""
         world = self.world
-        self._catch_up(world.time_s)
-        while world.time_s < until_s - 1e-9:
-            now = world.time_s
-            for output in world.advance(until_s):
-                self._send_up(now, output)
-            self._catch_up(world.time_s)
+        self._process_due(world.time_s)
 
-    def _catch_up(self, now: float) -> None:
-        """Let everything outside the world happen that is due by now, each at its own instant.
-
-        Nothing of it reaches the world but messages to devices, and these act on them at their next turn: so the
-        physics need not stop for it.
-        """
-        ups, downs, server, dispatcher, boundaries = self._circle
-        while True:
-            due_s = min(
-                ups.next_arrival_s, downs.next_arrival_s, server.next_due_s, dispatcher.next_due_s, boundaries[0][0]
-            )
-            if due_s > now:
-                return
-            self._happen(self.world.next_instant_s(due_s))
-
-    def _happen(self, now: float) -> None:
-        """Let happen what is due at one instant: arrivals, then timers, then what the devices are told."""
-        if self._ups.next_arrival_s <= now:
-            for t_arrival_s, message in self._ups.receive(now):
-                if isinstance(message, RobotState):
-                    self.dispatcher.update_robot_state(t_arrival_s, message)
-                else:
-                    self._tell(t_arrival_s, message)
-        self._conduct(now)
-        if self.server.active != self.handovers[-1].sensor:
-            self.handovers.append(Handover(now, self.server.active))
-            self.world.active = self.server.active
-        if self._downs.next_arrival_s <= now:
-            for t_arrival_s, order in self._downs.receive(now):
-                reply = self.world.deliver(now, t_arrival_s, order)
-                if reply is not None:
-                    self._send_up(now, reply)
-
-    def _send_up(self, now: float, output: UplinkMessage) -> None:
-        if isinstance(output, DeviceEvent):
-            self.device_events.append((output, now))
-        sender = ROBOT if isinstance(output, RobotState) else output.sensor
-        self._up[sender].send(now, output)
-
-    def _tell(self, t_arrival_s: float, message: DeviceEvent | ClientStatus | SyncReply) -> None:
-        for event in self.server.receive(t_arrival_s, message):
-            self.events.append(event)
-            self._ask(t_arrival_s, "on_event", t_arrival_s, event)
-
-    def _ask(self, now: float, hook: str, told_s: float, *given: object) -> None:
-        """Tell the method of something, and the dispatcher its answers; ``told_s`` is when it says that it happened."""
-        if self._hooks is not None and (answers := self._hooks.call(hook, told_s, given)):
-            self.dispatcher.handle(now, answers)
-
-    def _conduct(self, now: float) -> None:
-        """Boundaries, timers and everything the server has to send."""
-        while self._boundaries[0][0] <= now:
-            t_s, iteration, starts = self._boundaries.popleft()
-            self._ask(now, "on_iteration_start" if starts else "on_iteration_end", t_s, iteration, t_s)
-            if starts and self._hooks is not None:
-                persons = self._hooks.follows(iteration, t_s)
-                self.followed += [Followed(iteration, name) for name in _or_nobody(persons)]
-        if self.server.next_due_s <= now:
-            if self._hooks is not None:
-                self.dispatcher.check_robot_alive(now)
-            for order in self.server.due_messages(now):
-                self._down[order.sensor].send(now, order)
-        if self._hooks is not None and self.dispatcher.next_due_s <= now:
-            for wake_s in self.dispatcher.due_timers(now):
-                self._ask(now, "on_timer", wake_s, wake_s)
-            for command in self.dispatcher.due_commands(now):
-                if not self.commands or command.number != self.commands[-1].number:
-                    self.commands.append(command)
-                self._down[ROBOT].send(now, command)
+        while world.time_s < until_s - _TIME_TOLERANCE_S:
+            sent_s = world.time_s
+            for message in world.advance(until_s):
+                self._send_up(sent_s, message)
+            self._process_due(world.time_s)
 
     def log(self) -> SessionLog:
         """Everything that has happened so far."""
-        cpu, wall = self._started
         world = self.world
-        noticed = [*world.notices, *self.server.notices, *self.dispatcher.notices]
-        notices = sorted(noticed, key=lambda notice: notice.t_s)
+        notices = [*world.notices, *self.server.notices, *self.dispatcher.notices]
+        notices.sort(key=lambda notice: notice.t_s)
+        cost = {
+            "sim_s": self.time_s,
+            "cpu_s": time.process_time() - self._cpu_start_s,
+            "wall_s": time.perf_counter() - self._wall_start_s,
+        }
+
         return SessionLog(
             config=to_plain(self.config),
             versions=package_versions(),
@@ -196,12 +178,114 @@ class Session:
             truth=world.recorder.truth(),
             joints=world.recorder.joints(),
             skeletons=world.recorder.skeletons(),
-            cost={
-                "sim_s": self.time_s,
-                "cpu_s": time.process_time() - cpu,
-                "wall_s": time.perf_counter() - wall,
-            },
+            cost=cost,
         )
+
+    def _process_due(self, now: float) -> None:
+        """Process everything outside the world that is due by session time ``now``, in order of time.
+
+        The world may be ahead of a message that is processed here. This is correct because messages reach the world
+        through its devices only, and these act at their next control step or frame.
+        """
+        uplink, downlink, server, dispatcher, boundaries = self._due_sources
+
+        while True:
+            due_s = min(
+                uplink.next_arrival_s,
+                downlink.next_arrival_s,
+                server.next_due_s,
+                dispatcher.next_due_s,
+                boundaries[0].t_s,
+            )
+            if due_s > now:
+                return
+            self._process_instant(self.world.next_instant_s(due_s))
+
+    def _process_instant(self, now: float) -> None:
+        """Process what is due at one instant: arrivals at the server, then timers, then arrivals at the devices."""
+        # Arrivals come first: a timer of the same instant may act on them.
+        if self._links.uplink.next_arrival_s <= now:
+            for t_arrival_s, message in self._links.uplink.receive(now):
+                if isinstance(message, RobotState):
+                    self.dispatcher.update_robot_state(t_arrival_s, message)
+                else:
+                    self._receive_from_client(t_arrival_s, message)
+
+        self._process_boundaries(now)
+        self._send_server_messages(now)
+        self._process_method_timers(now)
+
+        if self.server.active != self.handovers[-1].sensor:
+            self.handovers.append(Handover(now, self.server.active))
+            self.world.active = self.server.active
+
+        # Downlinks come last: on a link without delay, what was sent above arrives at this instant.
+        if self._links.downlink.next_arrival_s <= now:
+            for t_arrival_s, order in self._links.downlink.receive(now):
+                reply = self.world.deliver(now, t_arrival_s, order)
+                if reply is not None:
+                    self._send_up(now, reply)
+
+    def _send_up(self, t_s: float, message: UplinkMessage) -> None:
+        """Send a device's message to the server, and record it if it is an event."""
+        if isinstance(message, DeviceEvent):
+            self.device_events.append((message, t_s))
+        self._links.send_up(t_s, message)
+
+    def _receive_from_client(self, t_arrival_s: float, message: DeviceEvent | ClientStatus | SyncReply) -> None:
+        """Pass a client's message to the server, and the events that follow from it to the method."""
+        for event in self.server.receive(t_arrival_s, message):
+            self.events.append(event)
+            self._call_method(t_arrival_s, "on_event", t_arrival_s, event)
+
+    def _call_method(self, now: float, hook: str, event_time_s: float, *arguments: object) -> None:
+        """Call one of the method's hooks and hand its actions to the dispatcher.
+
+        Args:
+            now: session time of the call [s].
+            hook: name of the hook.
+            event_time_s: session time of what the method is told [s]; a timer must lie after it.
+            arguments: the hook's arguments.
+        """
+        if self._checked_method is None:
+            return
+        actions = self._checked_method.call(hook, event_time_s, arguments)
+        if actions:
+            self.dispatcher.handle(now, actions)
+
+    def _process_boundaries(self, now: float) -> None:
+        """Tell the method of iterations that have begun or ended, and record whom it follows in a new one."""
+        while self._boundaries[0].t_s <= now:
+            boundary = self._boundaries.popleft()
+            hook = "on_iteration_start" if boundary.starts else "on_iteration_end"
+            self._call_method(now, hook, boundary.t_s, boundary.iteration, boundary.t_s)
+
+            if boundary.starts and self._checked_method is not None:
+                persons = self._checked_method.follows(boundary.iteration, boundary.t_s)
+                self.followed += _followed_rows(boundary.iteration, persons)
+
+    def _send_server_messages(self, now: float) -> None:
+        """Send the server's orders and clock requests that are due, and check that the robot still reports."""
+        if self.server.next_due_s > now:
+            return
+        # The server sends something several times a second, which is often enough for this check.
+        if self._checked_method is not None:
+            self.dispatcher.check_robot_alive(now)
+        for message in self.server.due_messages(now):
+            self._links.send_down(now, message.sensor, message)
+
+    def _process_method_timers(self, now: float) -> None:
+        """Call the method's timers that are due, then send the commands that are due to the robot."""
+        if self._checked_method is None or self.dispatcher.next_due_s > now:
+            return
+        for timer_s in self.dispatcher.due_timers(now):
+            self._call_method(now, "on_timer", timer_s, timer_s)
+
+        for command in self.dispatcher.due_commands(now):
+            # A repetition carries the number of the command that it repeats.
+            if not self.commands or command.number != self.commands[-1].number:
+                self.commands.append(command)
+            self._links.send_down(now, ROBOT, command)
 
 
 def run_session(
@@ -209,29 +293,34 @@ def run_session(
     progress: Callable[[float], None] | None = None,
     prepare: Callable[[Session], None] | None = None,
 ) -> SessionLog:
-    """Dance one session from beginning to end.
+    """Run one session from beginning to end.
 
     Args:
         config: everything about the session.
-        progress: called with the share that is done, 0 to 1, about once per simulated second.
-        prepare: called with the session before it begins, for those who want to watch it (``world.watchers``).
+        progress: called about once per simulated second with the share of the session that is done, 0 to 1.
+        prepare: called with the session before it begins, for instance to add observers to ``world.watchers``.
 
     Returns:
-        what was planned, seen, decided and done.
+        what was planned, detected, decided and done.
+
+    Raises:
+        SjasimError: as `Session` raises it, or a method's own code failed.
     """
     session = Session(config)
     if prepare is not None:
         prepare(session)
-    while session.time_s < session.end_s - 1e-9:
+
+    while session.time_s < session.end_s - _TIME_TOLERANCE_S:
         session.advance(min(session.time_s + 1.0, session.end_s))
         if progress is not None:
             progress(min(session.time_s / session.end_s, 1.0))
+
     return session.log()
 
 
 @cache
 def package_versions() -> Mapping[str, str]:
-    """Versions of the packages that a session's outcome depends on; those not installed are left out."""
+    """Versions of the packages that a session's outcome depends on; packages that are not installed are left out."""
     found: dict[str, str] = {}
     for name in _PACKAGES:
         try:
@@ -241,41 +330,11 @@ def package_versions() -> Mapping[str, str]:
     return found
 
 
-def _or_nobody(persons: Sequence[str] | None) -> Sequence[str]:
-    """What is logged of whom a method follows: nothing for everyone."""
-    return () if persons is None else persons or ("",)
+def _followed_rows(iteration: int, persons: Sequence[str] | None) -> list[Followed]:
+    """Rows of the log for the answer of `CheckedMethod.follows`.
 
-
-def _context(session: Session) -> MethodContext:
-    table, config = session.timetable, session.config
-    iterations = range(config.iterations + 1)
-    return MethodContext(
-        cast=tuple(dancer_name(index) for index in range(config.dancers)),
-        steps=table.choreography.steps(),
-        iterations=config.iterations,
-        beat_s=60.0 / config.dance.bpm,
-        iteration_start_s=tuple(table.start_s(iteration) for iteration in iterations),
-        window_end_s=tuple(table.close_s(iteration) for iteration in iterations),
-        tempo=table.tempo.shifted(table.lead_in_s),
-        tau_s=config.synchrony.tau_s,
-    )
-
-
-def _check_faults(config: SessionConfig, sensors: Sequence[str]) -> None:
-    """Refuse a fault that would hit nobody."""
-    dancers = [dancer_name(index) for index in range(config.dancers)]
-    for index, fault in enumerate(config.faults):
-        allowed = {"dancer": dancers, "robot": [ROBOT]}.get(FAULTS[fault.kind], sensors)
-        if fault.target not in allowed:
-            raise ConfigError(f"faults[{index}].target", fault.target, f"for {fault.kind} one of {', '.join(allowed)}")
-
-
-def _boundaries(session: Session) -> deque[tuple[float, int, bool]]:
-    """(time, iteration, whether it starts) of every iteration's beat 0 and window's end, and an end that never comes.
-
-    They are in order of time.
+    A method that uses all dancers (None) leaves no row; one that follows nobody leaves a row with the name "".
     """
-    table = session.timetable
-    iterations = range(table.first, table.last + 1)
-    marks = [(table.start_s(k), k, True) for k in iterations] + [(table.close_s(k), k, False) for k in iterations]
-    return deque([*sorted(marks), (math.inf, table.last + 1, False)])
+    if persons is None:
+        return []
+    return [Followed(iteration, name) for name in persons or ("",)]

@@ -1,4 +1,9 @@
-"""The protocol of a world: what stands between the robot's commands and the events that a session is told of."""
+"""Protocol of a world: the dancers, robot and sensors of a session, simulated or real, seen from the session loop.
+
+A world implements `World` and registers a factory under the name that ``config.fidelity`` gives. The session sends it
+messages for its devices (`World.deliver`), lets it run (`World.advance`), and takes the messages that the devices
+send. Methods never see a world.
+"""
 
 from __future__ import annotations
 
@@ -23,40 +28,41 @@ from ..core import (
 from ..core.session_log import AgentEvent, Notice
 
 DownlinkMessage = MoveCommand | SyncRequest | ClientOrder
-"""What arrives at a world's devices."""
+"""A message to a device: the robot's commands, and clock requests and orders for the sensor clients."""
+
 UplinkMessage = DeviceEvent | ClientStatus | SyncReply | RobotState
-"""What a world's devices send."""
+"""A message from a device: events, status reports and clock replies of the sensor clients, and the robot's odometry."""
 
 
 class Recorder(Protocol):
-    """Ground truth of a session, as columns and arrays; empty where a world has none."""
+    """Ground truth of a session, as columns and arrays; a world without ground truth returns empty ones."""
 
     def truth(self) -> dict[str, NDArray[np.generic]]:
-        """One row for each tick and dancer."""
+        """Columns of equal length, one row for each logged tick and dancer."""
         ...
 
     def odometry(self) -> dict[str, Array]:
-        """One row for each odometry sample."""
+        """Columns of equal length, one row for each odometry sample."""
         ...
 
     def joints(self) -> NDArray[np.float32]:
-        """(F, D, 25, 3) true joints at frame rate [m]."""
+        """(F, D, 25, 3) true joint positions in the world at frame rate [m]."""
         ...
 
     def skeletons(self) -> NDArray[np.float32]:
-        """(F, D, 25, 4) estimated joints in the world [m] and their tracking states."""
+        """(F, D, 25, 4) joint positions that the active sensor estimated, in the world [m], and tracking states."""
         ...
 
 
 class World(Protocol):
-    """Dancers, robot and sensors: the part of a session that methods never see.
+    """Dancers, robot and sensors of one session.
 
     Attributes:
-        active: name of the sensor whose skeletons and view are recorded; the session keeps it up to date.
-        end_s: session time at which the dance is over.
-        cues: what the dancers planned so far.
-        robot_events: what the robot did so far.
-        notices: what went wrong so far.
+        active: name of the sensor whose skeletons and visibility are recorded; the session sets it.
+        end_s: session time at which the dance is over [s].
+        cues: what the dancers have planned so far.
+        robot_events: what the robot has done so far, from its odometry.
+        notices: what has gone wrong so far.
         watchers: functions that are called with the session time at every frame. They observe and change nothing.
     """
 
@@ -69,7 +75,7 @@ class World(Protocol):
 
     @property
     def recorder(self) -> Recorder:
-        """The ground truth."""
+        """The ground truth recorded so far."""
         ...
 
     @property
@@ -78,19 +84,24 @@ class World(Protocol):
         ...
 
     def next_instant_s(self, t_s: float) -> float:
-        """The first instant that is not before a time: all that happens in a session happens at instants [s]."""
+        """First instant of the world's clock that is not before a session time [s].
+
+        The session processes what is due at such instants only, so that its outcome does not depend on how it is
+        divided into calls. A simulated world returns a tick of its physics; a world without ticks returns ``t_s``.
+        """
         ...
 
     def deliver(self, now_s: float, t_arrival_s: float, message: DownlinkMessage) -> SyncReply | None:
         """Hand a message to the device that it is for.
 
         Args:
-            now_s: the instant at which it is dealt with: not after the present, and after the devices' last turn.
-            t_arrival_s: session time at which it arrived, and was stamped.
+            now_s: instant at which the session processes the message; not after the world's own time, and after the
+                last control step or frame of the devices.
+            t_arrival_s: session time at which the message arrived, for time stamps.
             message: what arrived.
 
         Returns:
-            the device's answer, sent at ``now_s``.
+            the device's immediate reply, sent at ``now_s``, or None.
         """
         ...
 
@@ -99,10 +110,10 @@ class World(Protocol):
         ...
 
     def advance(self, until_s: float) -> list[UplinkMessage]:
-        """Give devices whose turn it is their turn, then go on to the next turn of any.
+        """Run the devices that are due now, then go on to the next instant at which a device is due.
 
         Args:
-            until_s: session time to reach at most; a turn that is due then is left to the next call.
+            until_s: session time to reach at most. A device that is due then runs in the next call.
 
         Returns:
             what the devices sent at the instant at which the call began.

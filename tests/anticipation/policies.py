@@ -3,7 +3,7 @@
 import numpy as np
 
 from sjasim.anticipation.observation import MOVES, EventFeatures
-from sjasim.server.dispatcher import ROBOT_MOVES
+from sjasim.core.method_io import ROBOT_MOVES
 
 from ..contracts.test_anticipation import STEPS, context
 

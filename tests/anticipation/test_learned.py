@@ -12,7 +12,7 @@ from sjasim.anticipation.observation import MOVES, EventFeatures
 from sjasim.core import Event, Kind
 from sjasim.core.errors import ConfigError
 from sjasim.core.method_io import CancelCommand, ScheduleCommand, SetTimer
-from sjasim.server.dispatcher import ROBOT_MOVES
+from sjasim.core.method_io import ROBOT_MOVES
 
 from ..contracts.test_anticipation import STEPS, context
 from .policies import WIDTH, write

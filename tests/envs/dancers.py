@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sjasim.anticipation.observation import MOVES
-from sjasim.server.dispatcher import ROBOT_MOVES
+from sjasim.core.method_io import ROBOT_MOVES
 
 FAST = {"iterations": 1, "dance": {"rehearsal": False}}
 """The shortest dance there is: 25 s."""

@@ -86,16 +86,16 @@ def test_a_clap_at_the_handover_is_neither_lost_nor_doubled(behind, world):
 def test_without_assistance_the_active_client_counts_alone(world):
     assistance = ClapAssistance(CAST, world.timetable, 0.0)
     at = world.timetable.time_s(1, 32.0)
-    assistance.saw(at, [])
-    assert not assistance.window(at)
-    assert not assistance.counts("dancer_1", at)
+    assistance.update(at, [])
+    assert not assistance.in_window(at)
+    assert not assistance.accepts("dancer_1", at)
 
 
 def test_hands_that_were_unseen_a_moment_ago_still_need_help(world):
     assistance = ClapAssistance(CAST, world.timetable, 2.0)
     at = world.timetable.time_s(1, 32.0)
-    assistance.saw(at - 1.5, ["dancer_1", "dancer_2"])
-    assistance.saw(at - 0.5, ["dancer_1", "dancer_3"])
-    assistance.saw(at, CAST)
+    assistance.update(at - 1.5, ["dancer_1", "dancer_2"])
+    assistance.update(at - 0.5, ["dancer_1", "dancer_3"])
+    assistance.update(at, CAST)
     assert assistance.unseen(at) == ["dancer_2"]
     assert assistance.unseen(at - 0.5 + UNSEEN_S + 0.01) == []

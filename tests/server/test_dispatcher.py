@@ -1,4 +1,4 @@
-"""The server's hand: once, at its time, in the order of the score, kept alive, and back to the slot."""
+"""Commands are sent once, at their time, in the order of the score, are repeated, and lead the robot to its slot."""
 
 import math
 from itertools import pairwise
@@ -8,6 +8,7 @@ import pytest
 from sjasim.core import Move, RobotState
 from sjasim.core.method_io import CancelCommand, MethodContext, ScheduleCommand, SetTimer
 from sjasim.server import Dispatcher
+from sjasim.server.move_planner import MAX_STEER_RAD
 
 BEAT_S = 60 / 118
 
@@ -28,13 +29,13 @@ def actions(dispatcher):
 
 
 def run(dispatcher, from_s, until_s, step_s=0.001):
-    """(time, command) of everything sent, asking only when something is due."""
-    out = []
+    """(session time, command) of everything sent; the dispatcher is asked only when something is due."""
+    sent = []
     for k in range(int((until_s - from_s) / step_s) + 1):
         t_s = from_s + k * step_s
         if dispatcher.next_due_s <= t_s:
-            out += [(t_s, command) for command in dispatcher.due_commands(t_s)]
-    return out
+            sent += [(t_s, command) for command in dispatcher.due_commands(t_s)]
+    return sent
 
 
 def test_a_scheduled_command_is_sent_once_at_its_time_and_then_repeated(dispatcher):
@@ -50,7 +51,7 @@ def test_a_scheduled_command_is_sent_once_at_its_time_and_then_repeated(dispatch
     assert actions(dispatcher) == ["scheduled", "sent"]
 
 
-def test_a_standing_robot_hears_stop_repeated(dispatcher):
+def test_stop_is_repeated_to_a_standing_robot(dispatcher):
     dispatcher.handle(0.0, [ScheduleCommand(1, 0, 1.0, ""), ScheduleCommand(1, 1, 2.0, "")])
     late = [command for t_s, command in run(dispatcher, 0.0, 8.0) if t_s > 2.01]
     assert len(late) > 55
@@ -84,14 +85,14 @@ def test_commands_due_together_go_out_in_the_order_of_the_score(dispatcher):
     assert [(c.number, c.move) for c in dispatcher.due_commands(7.0)] == [(1, Move.FORWARD), (2, Move.STOP)]
 
 
-def test_a_withdrawal_takes_a_pending_step_back(dispatcher):
+def test_a_cancelled_command_is_not_sent(dispatcher):
     dispatcher.handle(0.0, [ScheduleCommand(1, 0, 5.0, "")])
     dispatcher.handle(1.0, [CancelCommand(1, 0, "passed over"), CancelCommand(1, 0, "again")])
     assert run(dispatcher, 0.0, 6.0) == []
     assert actions(dispatcher) == ["scheduled", "withdrawn", "ignored"]
 
 
-def test_nonsense_is_ignored_and_logged(dispatcher):
+def test_commands_for_steps_that_do_not_exist_are_ignored_and_logged(dispatcher):
     wrong = [ScheduleCommand(0, 0, 1.0, "rehearsal"), ScheduleCommand(1, 99, 1.0, ""), ScheduleCommand(5, 0, 1.0, ""),
              ScheduleCommand(1, 0, math.nan, "")]  # fmt: skip
     dispatcher.handle(0.0, [*wrong, CancelCommand(1, 77, "")])
@@ -99,26 +100,26 @@ def test_nonsense_is_ignored_and_logged(dispatcher):
     assert dispatcher.next_due_s == math.inf
 
 
-def test_what_no_method_should_ask_for_is_noticed_once_for_each_reason(dispatcher):
+def test_a_methods_mistake_is_reported_once_for_each_reason(dispatcher):
     for _ in range(100):
         dispatcher.handle(2.0, [ScheduleCommand(1, 99, 5.0, "far"), ScheduleCommand(1, 0, math.inf, "never")])
-    step, time = dispatcher.notices
-    assert (step.t_s, step.source) == (2.0, "method")
-    assert "iteration 1, ordinal 99 ignored: no such step (iterations 1 to 4, ordinals 0 to 8)" in step.what
-    assert "intention at inf s for iteration 1, ordinal 0 ignored: no finite time" in time.what
+    no_step, no_time = dispatcher.notices
+    assert (no_step.t_s, no_step.source) == (2.0, "method")
+    assert "iteration 1, ordinal 99 ignored: no such step (iterations 1 to 4, ordinals 0 to 8)" in no_step.what
+    assert "command at inf s for iteration 1, ordinal 0 ignored: no finite time" in no_time.what
     assert actions(dispatcher) == ["ignored"] * 200
 
 
-def test_a_step_that_is_over_is_no_notice(dispatcher):
+def test_an_action_for_a_step_that_is_over_is_no_mistake(dispatcher):
     dispatcher.handle(0.0, [ScheduleCommand(1, 1, 0.0, "")])
     dispatcher.due_commands(0.0)
     dispatcher.handle(1.0, [ScheduleCommand(1, 1, 2.0, ""), ScheduleCommand(1, 0, 2.0, ""), CancelCommand(1, 1, "")])
     assert dispatcher.notices == []
 
 
-def test_wakes_come_in_order_and_once(dispatcher):
+def test_timers_come_in_order_and_once(dispatcher):
     dispatcher.handle(1.0, [SetTimer(5.0), SetTimer(3.0), SetTimer(0.5)])
-    assert 1.0 < dispatcher.next_due_s < 1.0 + 1e-9  # at the next instant: a session goes on whatever a method asks
+    assert 1.0 < dispatcher.next_due_s < 1.0 + 1e-9  # a timer in the past comes at the next instant
     assert dispatcher.due_timers(3.0) == [math.nextafter(1.0, 2.0), 3.0]
     assert dispatcher.due_timers(3.0) == []
     assert dispatcher.next_due_s == 5.0
@@ -137,9 +138,7 @@ def test_each_step_has_its_move(dispatcher, ordinal, move):
 
 def test_a_turn_ends_at_the_next_iterations_ideal_heading(dispatcher, world):
     for iteration in range(1, 5):
-        dispatcher.update_robot_state(
-            1.0, RobotState(1.0, 0.0, 0.0, 1.3, 0.0, 0.0)
-        )  # off by several degrees: no matter
+        dispatcher.update_robot_state(1.0, RobotState(1.0, 0.0, 0.0, 1.3, 0.0, 0.0))  # misaligned: no matter
         dispatcher.handle(1.0, [ScheduleCommand(iteration, 8, 1.0, "")])
         (command,) = dispatcher.due_commands(1.0)
         assert command.heading_rad == pytest.approx(world.timetable.heading_rad(iteration + 1))
@@ -171,13 +170,51 @@ def test_speed_brings_the_robot_back_to_its_slot(dispatcher, world, ordinal, ahe
         assert command.speed_m_s == pytest.approx(speed)
 
 
-def test_a_robot_that_still_rolls_is_judged_where_it_will_stop(dispatcher, world):
+def beside(world, iteration, left_m):
+    """Odometry of a robot that stands to the left of its slot, seen along the iteration's heading."""
+    heading = world.timetable.heading_rad(iteration)
+    x, y = world.layout.robot
+    return RobotState(0.0, x - left_m * math.sin(heading), y + left_m * math.cos(heading), heading, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("iteration", [1, 2, 3])
+@pytest.mark.parametrize("left_m", [0.1, -0.1])
+@pytest.mark.parametrize(("ordinal", "move"), [(0, Move.FORWARD), (2, Move.BACKWARD)])
+def test_a_move_leads_a_robot_beside_its_lane_back_to_it(dispatcher, world, iteration, left_m, ordinal, move):
+    """To the left of its lane the robot must be told to steer right when it moves forward, and left when backward."""
+    dispatcher.update_robot_state(0.0, beside(world, iteration, left_m))
+    dispatcher.handle(0.0, [ScheduleCommand(iteration, ordinal, 0.0, "")])
+    (command,) = dispatcher.due_commands(0.0)
+    assert command.move is move
+
+    steer_rad = command.heading_rad - world.timetable.heading_rad(iteration)
+    if move is Move.FORWARD:
+        assert steer_rad * left_m < 0.0
+    else:
+        assert steer_rad * left_m > 0.0
+
+    # The direction of travel, against the heading when moving backward, must point towards the lane.
+    travel = 1.0 if move is Move.FORWARD else -1.0
+    assert travel * math.sin(steer_rad) * left_m < 0.0
+
+
+def test_a_robot_far_beside_its_lane_steers_by_the_limit_and_on_it_not_at_all(dispatcher, world):
+    heading = world.timetable.heading_rad(1)
+    found = []
+    for number, left_m in enumerate((5.0, 0.0, -5.0)):
+        dispatcher.update_robot_state(0.0, beside(world, 1, left_m))
+        dispatcher.command_move(float(number), Move.FORWARD)
+        found.append(dispatcher.current.heading_rad - heading)
+    assert found == pytest.approx([-MAX_STEER_RAD, 0.0, MAX_STEER_RAD])
+
+
+def test_a_robot_that_still_rolls_is_planned_from_where_it_will_stop(dispatcher, world):
     dispatcher.update_robot_state(0.0, state(world, 1, 0.40, step_m=0.006))  # .3 m/s at 50 Hz: 4.5 cm more
     dispatcher.handle(0.0, [ScheduleCommand(1, 2, 0.0, "")])
     assert dispatcher.due_commands(0.0)[0].speed_m_s == pytest.approx(0.445 / (4 * BEAT_S))
 
 
-def test_the_median_of_the_score_and_of_what_it_took_is_expected(dispatcher, world):
+def test_the_expected_duration_is_the_median_of_the_score_and_of_earlier_iterations(dispatcher, world):
     dispatcher.handle(0.0, [ScheduleCommand(1, 2, 10.0, ""), ScheduleCommand(1, 3, 11.5, "")])
     run(dispatcher, 9.9, 11.6)
     dispatcher.update_robot_state(0.0, state(world, 2, 0.45))
@@ -192,7 +229,7 @@ def test_a_stop_that_is_scheduled_sets_the_speed_unless_it_is_a_last_resort(disp
     assert dispatcher.due_commands(5.0)[0].speed_m_s == pytest.approx(0.45 / duration_s)
 
 
-def test_a_move_that_nobody_stops_crawls_past_its_end(dispatcher, world):
+def test_a_move_that_nobody_stops_crawls_beyond_its_end_and_halts(dispatcher, world):
     dispatcher.handle(0.0, [ScheduleCommand(1, 0, 5.0, "")])
     (command,) = dispatcher.due_commands(5.0)
     dispatcher.update_robot_state(0.0, state(world, 1, 0.5))
@@ -205,7 +242,7 @@ def test_a_move_that_nobody_stops_crawls_past_its_end(dispatcher, world):
     assert dispatcher.due_commands(dispatcher.next_due_s)[0].speed_m_s == 0.0
 
 
-def test_a_stop_that_came_too_soon_lets_the_robot_settle_where_its_move_should_have_ended(dispatcher, world):
+def test_after_an_early_stop_the_robot_drives_slowly_to_where_its_move_should_have_ended(dispatcher, world):
     dispatcher.handle(0.0, [ScheduleCommand(1, 6, 5.0, ""), ScheduleCommand(1, 7, 6.0, "")])
     sent = run(dispatcher, 4.9, 6.05)
     assert (sent[-1][1].move, sent[-1][1].speed_m_s) == (Move.STOP, 0.0)
