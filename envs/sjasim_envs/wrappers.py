@@ -62,10 +62,15 @@ class InOrder(gym.Wrapper[Any, Any, Any, Any]):
         if not isinstance(env.action_space, spaces.Discrete):
             raise error.Error(f"InOrder needs the four moves as actions, not {env.action_space}")
 
+    @property
+    def _session(self) -> Session:
+        """The present session. It is not kept, so that the wrapper can be copied with its environment."""
+        session: Session = self.get_wrapper_attr("session")
+        return session
+
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Begin a dance."""
+        """Begin an episode."""
         answer = self.env.reset(seed=seed, options=options)
-        self._session: Session = self.get_wrapper_attr("session")
         self._steps = StepSelector(self._session.context)
         return answer
 
