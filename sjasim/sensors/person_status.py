@@ -7,11 +7,11 @@ from math import tau
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ..choreography.layout import Mount
 from ..core import TRACKED, Array, PersonStatus, Skeletons
+from ..core.compiled import compiled_entry
 from .events.frame_features import HAND_LEFT, HAND_RIGHT, SPINE_BASE, yaw_rad
 
 STATUS_COLUMNS = 5
@@ -46,7 +46,7 @@ def person_statuses(skeletons: Skeletons, pose: SensorPose) -> tuple[PersonStatu
     return tuple(PersonStatus(person, *row) for person, row in rows if math.isfinite(row[0] + row[1] + row[2]))
 
 
-@njit(cache=True)
+@compiled_entry
 def _write_statuses(
     joints: Array, state: NDArray[np.int8], world_from_sensor: Array, facing_yaw_rad: float, out: Array
 ) -> None:
@@ -60,14 +60,19 @@ def _write_statuses(
         out: (P, 5) output, see `STATUS_COLUMNS`; position and yaw are NaN where SpineBase or a hip is not known.
     """
     for p in range(len(joints)):
-        base = joints[p, SPINE_BASE]
+        x = joints[p, SPINE_BASE, 0]
+        y = joints[p, SPINE_BASE, 1]
+        z = joints[p, SPINE_BASE, 2]
         for k in range(2):
             row = world_from_sensor[k]
-            out[p, k] = row[0] * base[0] + row[1] * base[1] + row[2] * base[2] + row[3]
+            out[p, k] = row[0] * x + row[1] * y + row[2] * z + row[3]
 
         # The heading is wrapped to -pi..pi.
         yaw = facing_yaw_rad + yaw_rad(joints[p])
         out[p, 2] = yaw - tau * np.rint(yaw / tau)
 
-        out[p, 3] = np.sum(state[p] == TRACKED) / state.shape[1]
+        tracked = 0
+        for j in range(state.shape[1]):
+            tracked += state[p, j] == TRACKED
+        out[p, 3] = tracked / state.shape[1]
         out[p, 4] = ((state[p, HAND_LEFT] == TRACKED) + (state[p, HAND_RIGHT] == TRACKED)) / 2.0

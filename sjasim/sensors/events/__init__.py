@@ -1,1 +1,1 @@
-"""Events (starts, stops, claps) from skeletons."""
+"""Detection of events (starts, stops and claps) in skeleton frames."""

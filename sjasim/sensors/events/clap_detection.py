@@ -1,15 +1,23 @@
-"""When hands have met: the one rule behind claps seen from the front and from the side, compiled.
+"""Clap detection: the rule that claps seen from the front and from the side share.
 
-A clap is a local minimum of a ratio, which is small where hands meet, below ``clap_ratio``. Hands that touch stay
-together for a while; which of the small numbers of that while is the least is chance. Below `TOUCHING_RATIO` the
-minimum is where the ratio falls by less than `STILL_RATIO` between frames.
+The rule reads one number per frame, the *hand ratio*, which is small where the hands are close together. The detectors
+compute it in different ways. A clap is a local minimum of the ratio below ``clap_ratio``. The event is detected in the
+frame after the minimum.
 
-The event comes with the frame after the minimum. Hands must have been apart (above `APART_RATIO`) since the last clap,
-which must be ``clap_refractory_s`` ago: hands held together clap once. A hand that was inferred to be apart from the other,
-behind somebody's arm, say, and comes into sight on its way was so if it is then seen farther off than `MIDWAY_RATIO`.
-Touching hands hide each other, so they may be inferred as they meet, if they were last tracked nearer than
-`NEAR_RATIO`. A time longer than a memory's without tracked hands forgets everything, so that hands that jump into sight
-cannot clap.
+Hands that touch stay together for several frames, and the smallest of the ratios in that time is a matter of noise.
+Below `TOUCHING_RATIO` the minimum is therefore the first frame after which the ratio falls by less than
+`RATIO_NOISE`.
+
+Two conditions keep false claps away:
+
+* The hands have been apart since the last clap, and that clap is at least ``clap_refractory_s`` ago. Hands that are
+  held together clap once. Hands are apart above `APART_RATIO`. If they were inferred to be apart while one was
+  occluded, seeing them above `CLOSING_RATIO` is enough.
+* The hands were seen to come together: the ratio was below `NEAR_RATIO` in the last frame in which the hands were
+  tracked. Touching hands occlude each other, so they may be inferred for a short time as they meet. After a longer
+  time without tracked hands the state is reset, so that hands that come into sight cannot clap.
+
+Source: iqbal2016, section II-B, for the local minimum below a threshold; the other conditions are assumed.
 """
 
 from __future__ import annotations
@@ -17,83 +25,106 @@ from __future__ import annotations
 from math import inf, isnan, nan
 
 import numpy as np
-from numba import njit
 
+from ...core.compiled import compiled_inner
 from .thresholds import Record, Records
 
 APART_RATIO = 0.8
-"""Above this ratio hands are apart; arms that hang or open for a clap have 1.1 to 1.4."""
+"""Hands are apart above this ratio; hanging arms and arms that open for a clap have ratios of 1.1 to 1.4."""
 
-MIDWAY_RATIO = 0.4
-"""Hands in sight farther apart than this do not touch: they may yet come together (assumed)."""
+CLOSING_RATIO = 0.4
+"""Hands that come into sight above this ratio do not touch yet and may still come together (assumed)."""
 
 NEAR_RATIO = 1.0
-"""Hands nearer than this may clap: early starts are disarmed until ``clap_refractory_s`` after it, also when the clap
-itself stayed hidden; and tracked hands that come so near have been seen to close (assumed)."""
+"""Hands below this ratio may be about to clap (assumed).
 
-TOUCHING_RATIO, STILL_RATIO = 0.3, 0.03
-"""Hands nearer than the first may touch; from frame to frame their ratio is uncertain by less than the second: some
-half a centimetre per hand (assumed)."""
+Tracked hands below it have been seen to come together. Early starts are disarmed for ``clap_refractory_s`` after it,
+because the trunk nods with a clap, even if the clap itself is not detected.
+"""
 
-HANDS = np.dtype([
-    ("ratio", np.float64),  # of the last frame; NaN where it said nothing
-    ("ratio_before", np.float64),  # of the frame before that
-    ("t_ratio_s", np.float64),  # when the last frame was
-    ("t_clap_s", np.float64),  # when the last clap was seen
-    ("t_near_s", np.float64),  # when tracked hands were last near
-    ("t_seen_s", np.float64),  # when they were last tracked
-    ("apart", np.bool_),  # whether they have been apart since the last clap
-    ("guessed", np.bool_),  # whether they were inferred to be apart before they came into sight
-    ("near", np.bool_),  # whether they were near when they were last tracked
+TOUCHING_RATIO = 0.3
+"""Hands below this ratio may touch (assumed)."""
+
+RATIO_NOISE = 0.03
+"""Noise of the ratio of touching hands from frame to frame, about half a centimetre per hand (assumed)."""
+
+CLAP_STATE = np.dtype([
+    ("ratio", np.float64),  # ratio in the last frame; NaN if unknown
+    ("previous_ratio", np.float64),  # ratio in the frame before it
+    ("t_ratio_s", np.float64),  # time of the last frame
+    ("t_clap_s", np.float64),  # time of the frame in which the last clap was detected
+    ("t_near_s", np.float64),  # last time at which tracked hands were near each other
+    ("t_tracked_s", np.float64),  # last time at which the hands were tracked
+    ("apart", np.bool_),  # whether the hands have been apart since the last clap
+    ("inferred_apart", np.bool_),  # whether they were inferred to be apart before they came into sight
+    ("near", np.bool_),  # whether they were near each other when they were last tracked
 ])  # fmt: skip
-"""What is remembered of one person's hands; times are the sensor's."""
+"""State of one person's clap detection; times are those of the sensor."""
 
 
-def unseen_hands(count: int) -> Records:
-    """(count,) `HANDS` that nobody has seen yet."""
-    never = (nan, nan, nan, -inf, -inf, -inf, False, False, False)
-    return np.array([never] * count, dtype=HANDS)
+def initial_clap_states(persons: int) -> Records:
+    """Return (persons,) `CLAP_STATE` of persons whose hands have not been seen yet."""
+    initial = (nan, nan, nan, -inf, -inf, -inf, False, False, False)
+    return np.array([initial] * persons, dtype=CLAP_STATE)
 
 
-@njit(cache=True)
-def met_s(hands: Record, t_s: float, ratio: float, tracked: bool, memory_s: float, rules: Record) -> float:
-    """Judge one frame.
+@compiled_inner
+def clap_time_s(
+    hands: Record, t_s: float, ratio: float, tracked: bool, longest_inferred_s: float, thresholds: Record
+) -> float:
+    """Update the state with one frame and return the time of a clap.
 
     Args:
-        hands: what is remembered of them, one of `HANDS`; changed.
-        t_s: the sensor's time of the frame.
-        ratio: of the hands; NaN where it says nothing.
-        tracked: whether the hands that it rests on are tracked.
-        memory_s: how long they may be inferred.
-        rules: one of `thresholds.RULES`.
+        hands: one of `CLAP_STATE`; changed.
+        t_s: time of the frame.
+        ratio: hand ratio; NaN if unknown.
+        tracked: whether the hands on which the ratio depends are tracked.
+        longest_inferred_s: how long these hands may be inferred before the state is reset.
+        thresholds: one of `THRESHOLDS`.
 
     Returns:
-        the time at which the hands met, or NaN.
+        the time of the minimum if this frame completes a clap, otherwise NaN.
     """
-    hands.guessed = ratio >= MIDWAY_RATIO and hands.guessed if tracked else hands.guessed or ratio > APART_RATIO
+    if tracked:
+        hands.inferred_apart = ratio >= CLOSING_RATIO and hands.inferred_apart
+    else:
+        hands.inferred_apart = hands.inferred_apart or ratio > APART_RATIO
+
     if tracked and not isnan(ratio):
-        hands.t_seen_s = t_s
+        hands.t_tracked_s = t_s
         hands.near = ratio < NEAR_RATIO
         if hands.near:
             hands.t_near_s = t_s
-    elif t_s - hands.t_seen_s > memory_s:
-        hands.ratio = hands.ratio_before = hands.t_ratio_s = nan
-        hands.apart = hands.near = False
+    elif t_s - hands.t_tracked_s > longest_inferred_s:
+        hands.ratio = nan
+        hands.previous_ratio = nan
+        hands.t_ratio_s = nan
+        hands.apart = False
+        hands.near = False
         return nan
-    before, least, t_least_s = hands.ratio_before, hands.ratio, hands.t_ratio_s
-    hands.ratio_before, hands.ratio, hands.t_ratio_s = least, ratio, t_s
-    lowest = before >= least and least < ratio + (STILL_RATIO if least < TOUCHING_RATIO else 0.0)
-    rested = t_s - hands.t_clap_s >= rules.clap_refractory_s
-    if hands.apart and hands.near and lowest and least < rules.clap_ratio and rested:
+
+    # The candidate for the minimum is the frame before this one.
+    before = hands.previous_ratio
+    candidate = hands.ratio
+    t_candidate_s = hands.t_ratio_s
+    hands.previous_ratio = candidate
+    hands.ratio = ratio
+    hands.t_ratio_s = t_s
+
+    tolerance = RATIO_NOISE if candidate < TOUCHING_RATIO else 0.0
+    is_minimum = before >= candidate and candidate < ratio + tolerance
+    rested = t_s - hands.t_clap_s >= thresholds.clap_refractory_s
+    if hands.apart and hands.near and is_minimum and candidate < thresholds.clap_ratio and rested:
         hands.t_clap_s = t_s
         hands.apart = False
-        return float(t_least_s)
-    least_apart = MIDWAY_RATIO if hands.guessed else max(APART_RATIO, rules.clap_ratio)
-    hands.apart = hands.apart or (tracked and ratio > least_apart)
+        return float(t_candidate_s)
+
+    apart_ratio = CLOSING_RATIO if hands.inferred_apart else max(APART_RATIO, thresholds.clap_ratio)
+    hands.apart = hands.apart or (tracked and ratio > apart_ratio)
     return nan
 
 
-@njit(cache=True)
-def clapping(hands: Record, t_s: float, rules: Record) -> bool:
-    """Whether a clap may be under way or just over."""
-    return bool(t_s - hands.t_near_s < rules.clap_refractory_s)
+@compiled_inner
+def may_be_clapping(hands: Record, t_s: float, thresholds: Record) -> bool:
+    """Return whether the hands were near each other within the last ``clap_refractory_s``."""
+    return bool(t_s - hands.t_near_s < thresholds.clap_refractory_s)

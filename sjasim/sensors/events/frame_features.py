@@ -1,7 +1,7 @@
-"""What the detectors look at: a few numbers per person from each frame, compiled.
+"""Features of one person in one frame, from which the detectors decide.
 
-A lost frame only widens the intervals: every difference is divided by the time that really passed between its two
-frames. Joints that are not tracked are NaN and make every figure they enter NaN.
+Speeds are differences of two frames divided by the time between these frames, so lost frames only make that time
+longer. A joint that is not tracked has NaN coordinates and makes each feature NaN that depends on it.
 """
 
 from __future__ import annotations
@@ -9,92 +9,123 @@ from __future__ import annotations
 from math import atan2, hypot, isnan, nan, tau
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...assets.names import JOINT_INDEX
 from ...core import TRACKED, Array
+from ...core.compiled import compiled_inner
 from .thresholds import Record, Records
 
-SPINE_BASE, MID, NECK, LEFT, RIGHT, HAND_LEFT, HAND_RIGHT, HIP_LEFT, HIP_RIGHT = (
-    JOINT_INDEX[name]
-    for name in (
-        "SpineBase", "SpineMid", "Neck", "ShoulderLeft", "ShoulderRight", "HandLeft", "HandRight", "HipLeft",
-        "HipRight",
-    )
-)  # fmt: skip
-UPPER = np.array([MID, NECK, LEFT, RIGHT])
+SPINE_BASE = JOINT_INDEX["SpineBase"]
+SHOULDER_LEFT = JOINT_INDEX["ShoulderLeft"]
+SHOULDER_RIGHT = JOINT_INDEX["ShoulderRight"]
+HAND_LEFT = JOINT_INDEX["HandLeft"]
+HAND_RIGHT = JOINT_INDEX["HandRight"]
+HIP_LEFT = JOINT_INDEX["HipLeft"]
+HIP_RIGHT = JOINT_INDEX["HipRight"]
 
-GLIMPSE = np.dtype([
-    ("speed_m_s", np.float64),  # SpineBase's towards the sensor over ``difference_frames``; NaN before that
-    ("towards", np.int64),  # how many of the upper four moved towards the sensor by more than the floor
-    ("away", np.int64),  # the same away from it
-    ("tracked", np.int64),  # how many of the four are tracked; the others are not counted above
-    ("hand_ratio", np.float64),  # hand distance over shoulder distance in the sensor's x-y plane; NaN unless all four
-    # are known. The shoulders are its scale only, and may be inferred: raised forearms hide them
-    ("yaw_rad", np.float64),  # heading relative to facing the sensor, counter-clockwise from above; NaN without a hip
-    ("yaw_rate_rad_s", np.float64),  # its rate over the same frames as the speed
-    ("hands", np.int64),  # how many of the two are tracked
-    ("base_m", np.float64),  # SpineBase's depth, which the next frames are compared with
-    ("upper_m", np.float64, len(UPPER)),  # the same of SpineMid, Neck and both shoulders
+UPPER_JOINTS = np.array([JOINT_INDEX["SpineMid"], JOINT_INDEX["Neck"], SHOULDER_LEFT, SHOULDER_RIGHT])
+"""Joints whose steps make early events. Source: iqbal2016, section II-B."""
+
+FRAME_FEATURES = np.dtype([
+    ("approach_speed_m_s", np.float64),  # speed of SpineBase towards the sensor; NaN in the first frames
+    ("joints_approaching", np.int64),  # tracked upper joints that moved towards the sensor by more than the floor
+    ("joints_receding", np.int64),  # tracked upper joints that moved away from it by more than the floor
+    ("joints_tracked", np.int64),  # tracked upper joints
+    # Distance of the hands over distance of the shoulders in the sensor's x-y plane; NaN if one of these joints is
+    # unknown. Shoulders may be inferred, because raised forearms occlude them and they only give the scale.
+    ("hand_ratio", np.float64),
+    ("yaw_rad", np.float64),  # heading relative to facing the sensor, counter-clockwise from above; NaN without hips
+    ("yaw_rate_rad_s", np.float64),  # rate of that heading over the same frames as the speed
+    ("hands_tracked", np.int64),  # tracked hands
+    ("spine_base_depth_m", np.float64),  # depth of SpineBase, with which later frames are compared
+    ("upper_depths_m", np.float64, len(UPPER_JOINTS)),  # depths of the upper joints, for the same purpose
 ])  # fmt: skip
-"""One person in one frame."""
+"""Features of one person in one frame."""
 
 
-def unseen(frames: int, count: int) -> Records:
-    """(frames, count) `GLIMPSE` of people whom no frame has shown yet: whatever is compared with them is unknown."""
-    out = np.zeros((frames, count), dtype=GLIMPSE)
-    out["base_m"] = out["yaw_rad"] = out["upper_m"] = nan
+def initial_features(frames: int, persons: int) -> Records:
+    """Return (frames, persons) `FRAME_FEATURES` of frames that do not exist: all comparisons with them are NaN."""
+    out = np.zeros((frames, persons), dtype=FRAME_FEATURES)
+    out["spine_base_depth_m"] = nan
+    out["yaw_rad"] = nan
+    out["upper_depths_m"] = nan
     return out
 
 
-@njit(cache=True)
+@compiled_inner
 def yaw_rad(joints: Array) -> float:
-    """Heading of one person (25, 3) relative to facing the sensor, from the lines across shoulders and hips.
+    """Return the heading of one person relative to facing the sensor.
 
-    From the hips alone where a shoulder is missing (it leaves the range first); NaN where a hip is.
-    """
-    hips_x, hips_z = joints[HIP_LEFT, 0] - joints[HIP_RIGHT, 0], joints[HIP_LEFT, 2] - joints[HIP_RIGHT, 2]
-    x, z = hips_x + joints[LEFT, 0] - joints[RIGHT, 0], hips_z + joints[LEFT, 2] - joints[RIGHT, 2]
-    return atan2(hips_z, -hips_x) if isnan(x + z) else atan2(z, -x)
-
-
-@njit(cache=True)
-def _hand_ratio(joints: Array) -> float:
-    """Hand distance over shoulder distance, both as the sensor sees them; NaN if the shoulders coincide."""
-    shoulders = hypot(joints[LEFT, 0] - joints[RIGHT, 0], joints[LEFT, 1] - joints[RIGHT, 1])
-    hands = hypot(joints[HAND_LEFT, 0] - joints[HAND_RIGHT, 0], joints[HAND_LEFT, 1] - joints[HAND_RIGHT, 1])
-    return hands / shoulders if shoulders > 0.0 else nan
-
-
-@njit(cache=True)
-def look(
-    joints: Array, state: NDArray[np.int8], before: Record, oldest: Record, floor_m: float, span_s: float, seen: Record
-) -> None:
-    """Write one person's glimpse.
+    The heading is normal to the sum of the lines across shoulders and hips. The hips alone count if a shoulder is
+    unknown, because shoulders are the first to leave the picture of a near person.
 
     Args:
-        joints: (25, 3) in the sensor's frame [m].
-        state: (25,) tracking states.
-        before: the glimpse that single steps are taken from; ``seen`` itself at the first frame.
-        oldest: the one that speeds are taken from.
-        floor_m: least motion since ``before`` that counts.
-        span_s: time since ``oldest``; 0 without one, which leaves speeds unknown.
-        seen: one of `GLIMPSE`, output.
+        joints: (25, 3) joints in the sensor's frame [m].
+
+    Returns:
+        the heading, counter-clockwise from above, -pi to pi; NaN if a hip is unknown.
     """
-    towards = away = tracked = 0
-    for k in range(len(UPPER)):
-        z = seen.upper_m[k] = joints[UPPER[k], 2]
-        if state[UPPER[k]] == TRACKED:
-            way = before.upper_m[k] - z
-            tracked += 1
-            towards += way > floor_m
-            away += way < -floor_m
-    seen.towards, seen.away, seen.tracked = towards, away, tracked
-    seen.hands = int(state[HAND_LEFT] == TRACKED) + int(state[HAND_RIGHT] == TRACKED)
-    seen.hand_ratio, seen.yaw_rad, seen.base_m = _hand_ratio(joints), yaw_rad(joints), joints[SPINE_BASE, 2]
-    seen.speed_m_s = seen.yaw_rate_rad_s = nan
+    hips_x = joints[HIP_LEFT, 0] - joints[HIP_RIGHT, 0]
+    hips_z = joints[HIP_LEFT, 2] - joints[HIP_RIGHT, 2]
+    both_x = hips_x + joints[SHOULDER_LEFT, 0] - joints[SHOULDER_RIGHT, 0]
+    both_z = hips_z + joints[SHOULDER_LEFT, 2] - joints[SHOULDER_RIGHT, 2]
+    return atan2(hips_z, -hips_x) if isnan(both_x + both_z) else atan2(both_z, -both_x)
+
+
+@compiled_inner
+def _hand_ratio(joints: Array) -> float:
+    """Return hand distance over shoulder distance in the sensor's x-y plane; NaN if the shoulders coincide there."""
+    shoulders_m = hypot(
+        joints[SHOULDER_LEFT, 0] - joints[SHOULDER_RIGHT, 0], joints[SHOULDER_LEFT, 1] - joints[SHOULDER_RIGHT, 1]
+    )
+    hands_m = hypot(joints[HAND_LEFT, 0] - joints[HAND_RIGHT, 0], joints[HAND_LEFT, 1] - joints[HAND_RIGHT, 1])
+    return hands_m / shoulders_m if shoulders_m > 0.0 else nan
+
+
+@compiled_inner
+def extract_features(
+    joints: Array,
+    state: NDArray[np.int8],
+    step_reference: Record,
+    speed_reference: Record,
+    floor_m: float,
+    span_s: float,
+    out: Record,
+) -> None:
+    """Write the features of one person in one frame.
+
+    Args:
+        joints: (25, 3) joints in the sensor's frame [m].
+        state: (25,) tracking states.
+        step_reference: features of the frame from which steps of the upper joints are taken; ``out`` itself in the
+            first frame, which makes all steps zero.
+        speed_reference: features of the frame from which speeds are taken.
+        floor_m: smallest step that counts as motion.
+        span_s: time since the frame of ``speed_reference``; 0 if that frame does not exist, which makes speeds NaN.
+        out: one of `FRAME_FEATURES`, output.
+    """
+    out.joints_approaching = 0
+    out.joints_receding = 0
+    out.joints_tracked = 0
+    for k in range(len(UPPER_JOINTS)):
+        depth_m = joints[UPPER_JOINTS[k], 2]
+        out.upper_depths_m[k] = depth_m
+        if state[UPPER_JOINTS[k]] == TRACKED:
+            step_m = step_reference.upper_depths_m[k] - depth_m
+            out.joints_tracked += 1
+            out.joints_approaching += step_m > floor_m
+            out.joints_receding += step_m < -floor_m
+
+    out.hands_tracked = int(state[HAND_LEFT] == TRACKED) + int(state[HAND_RIGHT] == TRACKED)
+    out.hand_ratio = _hand_ratio(joints)
+    out.yaw_rad = yaw_rad(joints)
+    out.spine_base_depth_m = joints[SPINE_BASE, 2]
+
+    out.approach_speed_m_s = nan
+    out.yaw_rate_rad_s = nan
     if span_s > 0.0:
-        seen.speed_m_s = (oldest.base_m - seen.base_m) / span_s
-        turned = seen.yaw_rad - oldest.yaw_rad
-        seen.yaw_rate_rad_s = (turned - tau * np.rint(turned / tau)) / span_s
+        out.approach_speed_m_s = (speed_reference.spine_base_depth_m - out.spine_base_depth_m) / span_s
+        # The difference of two headings is wrapped to -pi..pi.
+        turned_rad = out.yaw_rad - speed_reference.yaw_rad
+        out.yaw_rate_rad_s = (turned_rad - tau * np.rint(turned_rad / tau)) / span_s

@@ -1,14 +1,23 @@
-"""When one person starts and stops, regular and early events: the rules of the paper's motions, compiled.
+"""Detection of starts and stops of one person: the regular and the early events.
 
-Regular: the speed exceeds ``start_speed_m_s``, at the earliest ``min_hold_s`` after the last stop; it falls below ``stop_speed_m_s``,
-at the earliest ``min_move_s`` after the start.
+Regular events follow the speed of SpineBase towards the sensor. A move starts when the speed exceeds
+``start_speed_m_s``, at the earliest ``min_hold_s`` after the last stop. It stops when the speed falls below
+``stop_speed_m_s``, at the earliest ``min_move_s`` after the start. Two thresholds (hysteresis) and the shortest
+durations keep noise from starting and stopping a move repeatedly.
 
-Early start: while standing, at least ``early_refractory_s`` after the stop, in ``early_frames`` consecutive frames at least
-``early_joints`` of the four upper joints move by more than the floor in the same direction, which tells the kind:
-nobody has to know the expected move. It is sent once and armed again after ``early_refractory_s``. Early stop: while moving,
-after ``early_move_share`` of the duration of the person's last move of that kind, fewer than ``early_joints`` do so in
-as many frames; never if no such move has been logged, nor with too few joints tracked to tell. At a brisk start or stop
-the early event may come in the same frame as the regular one, and before it.
+Early events follow the steps of the four upper joints from frame to frame. Joints that step farther than the floor
+``early_displacement_m`` count as moving.
+
+* An early start is detected while a person stands, when at least ``early_joints`` of the tracked joints move in the
+  same direction in ``early_frames`` consecutive frames. The direction tells the kind, so the expected move need not be
+  known. The event is armed ``early_refractory_s`` after the stop, and again as long after the event.
+* An early stop is detected once during a move, when fewer than ``early_joints`` joints can be moving in
+  ``early_frames`` consecutive frames: joints that are not tracked count as moving. The event is armed after
+  ``early_move_share`` of the duration of the person's last move of the same kind, and never before such a move.
+
+A brisk move may show the early event in the same frame as the regular one; the early event then comes first.
+
+Source: iqbal2016, section II-B, for joints, axis and "half of the joint positions"; it gives neither speeds nor times.
 """
 
 from __future__ import annotations
@@ -17,163 +26,203 @@ import math
 from math import inf, isnan
 
 import numpy as np
-from numba import njit
 
 from ...core import Kind
-from .frame_features import UPPER
+from ...core.compiled import compiled_inner
+from .frame_features import UPPER_JOINTS
 from .thresholds import Record, Records
 
 FACING_RAD = math.radians(45.0)
-"""Largest heading relative to the sensor at which events count: a skeleton's depth errors double by 45 degrees."""
+"""Largest heading relative to the sensor at which events are detected; depth errors of a skeleton double up to it."""
 
 TURNING_RAD_S = 0.8
-"""Yaw rate that counts as turning; walking swings the pelvis at up to half of it (assumed)."""
+"""Yaw rate above which a person turns; walking swings the pelvis at up to half of this rate (assumed)."""
 
-SWAYING_RAD_S = 0.4
-"""Yaw rate above which early starts are disarmed for `SWAY_S`: dancers sway as they come out of a turn (assumed)."""
+SWAY_RAD_S = 0.4
+"""Yaw rate above which early starts are disarmed for `SWAY_S`: dancers sway after a turn (assumed)."""
 
 SWAY_S = 1.0
-"""How long they do (assumed; the physics shows .6 s)."""
+"""Duration for which early starts stay disarmed after a turn or sway (assumed; simulated bodies sway for 0.6 s)."""
 
 LOST_S = 0.3
-"""A speed that is unknown for longer has hidden whatever happened meanwhile: less than the .4 s within which an event
-counts as the true one (assumed)."""
+"""Longest time without a known speed that is bridged (assumed).
 
-BACKWARD, STANDING, FORWARD, UNSETTLED = -1, 0, 1, 2
-"""What a person is doing; the moves' numbers are their sign along the way to the sensor."""
+Events during a longer time may have been missed. The limit is below the 0.4 s within which a detected event is matched
+to a true one.
+"""
 
-NOTHING = 0
-EVENTS = {
-    1: Kind.START_FORWARD,
-    -1: Kind.START_BACKWARD,
-    2: Kind.STOP_FORWARD,
-    -2: Kind.STOP_BACKWARD,
-}  # fmt: skip
-"""An event as a number: the phase that starts, or twice the one that stops; `NOTHING` for none."""
+BACKWARD = -1
+"""Phase: the person moves away from the sensor."""
 
-PERSON = np.dtype([
-    ("phase", np.int64),
-    ("t_phase_s", np.float64),  # since when; all times are the sensor's
-    ("t_early_s", np.float64),  # when the phase's early event was sent
-    ("t_known_s", np.float64),  # when the speed was last known
-    ("t_sway_s", np.float64),  # when the person last turned or swayed
-    ("run", np.int64),  # frames in a row that speak for an early event; negative for moving away
-    ("forward_s", np.float64),  # how long the last move forward took; infinite without one
-    ("backward_s", np.float64),
+STANDING = 0
+"""Phase: the person stands."""
+
+FORWARD = 1
+"""Phase: the person moves towards the sensor."""
+
+UNKNOWN = 2
+"""Phase: the person has not been seen standing yet; no event is detected."""
+
+NO_EVENT = 0
+"""Event code for no event."""
+
+KIND_OF_CODE = {
+    FORWARD: Kind.START_FORWARD,
+    BACKWARD: Kind.START_BACKWARD,
+    2 * FORWARD: Kind.STOP_FORWARD,
+    2 * BACKWARD: Kind.STOP_BACKWARD,
+}
+"""Event code to kind. The code of a start is the phase that starts; the code of a stop is twice the phase that ends."""
+
+MOTION_STATE = np.dtype([
+    ("phase", np.int64),  # BACKWARD, STANDING, FORWARD or UNKNOWN
+    ("t_phase_s", np.float64),  # start of the phase
+    ("t_early_s", np.float64),  # time of the phase's early event
+    ("t_speed_s", np.float64),  # last time at which the speed was known
+    ("t_sway_s", np.float64),  # last time at which the person turned or swayed
+    ("early_run", np.int64),  # consecutive frames that support an early event; negative for a start backward
+    ("forward_s", np.float64),  # duration of the last move forward; infinite if there was none
+    ("backward_s", np.float64),  # duration of the last move backward
 ])  # fmt: skip
-"""What is remembered of one person's motion."""
+"""State of one person's move detection; times are those of the sensor."""
 
 _ROUNDING_S = 1e-6
 
 
-def strangers(count: int) -> Records:
-    """(count,) `PERSON` whom nobody has seen yet."""
-    return np.array([(UNSETTLED, -inf, -inf, -inf, -inf, 0, inf, inf)] * count, dtype=PERSON)
+def initial_motion_states(persons: int) -> Records:
+    """Return (persons,) `MOTION_STATE` of persons who have not been seen yet."""
+    return np.array([(UNKNOWN, -inf, -inf, -inf, -inf, 0, inf, inf)] * persons, dtype=MOTION_STATE)
 
 
-@njit(cache=True)
-def judge(person: Record, t_s: float, seen: Record, span_s: float, busy: bool, rules: Record) -> tuple[int, int]:
-    """Judge one frame.
+@compiled_inner
+def detect_motion(
+    person: Record, t_s: float, features: Record, early_start_blocked: bool, thresholds: Record
+) -> tuple[int, int]:
+    """Update the state with one frame and return the events that the frame shows.
 
     Args:
-        person: one of `PERSON`; changed.
-        t_s: the sensor's time of the frame.
-        seen: the person in it, one of `glimpse.GLIMPSE`.
-        span_s: time over which its speed was taken [s].
-        busy: whether a clap disarms the early start.
-        rules: one of `thresholds.RULES`.
+        person: one of `MOTION_STATE`; changed.
+        t_s: time of the frame.
+        features: one of `FRAME_FEATURES`.
+        early_start_blocked: whether early starts are disarmed, because the person may be clapping.
+        thresholds: one of `THRESHOLDS`.
 
     Returns:
-        the early event and the regular one that this frame shows, by their numbers in `EVENTS`. The onset of the
-        regular one is estimated to be half a ``span_s`` ago.
+        codes of the early and of the regular event, keys of `KIND_OF_CODE`; `NO_EVENT` for none.
     """
-    aside = FACING_RAD < abs(seen.yaw_rad) < math.pi - FACING_RAD
-    if aside or _missed_out(person, t_s, seen, rules):
-        _enter(person, UNSETTLED, -inf)
+    sideways = FACING_RAD < abs(features.yaw_rad) < math.pi - FACING_RAD
+    if sideways or _motion_was_missed(person, t_s, features, thresholds):
+        _enter_phase(person, UNKNOWN, -inf)
         person.t_sway_s = -inf
-    if person.phase == UNSETTLED:
-        if not (aside or isnan(seen.yaw_rad)) and abs(seen.speed_m_s) < rules.stop_speed_m_s:
-            _enter(person, STANDING, t_s)
+
+    if person.phase == UNKNOWN:
+        heading_fits = not (sideways or isnan(features.yaw_rad))
+        if heading_fits and abs(features.approach_speed_m_s) < thresholds.stop_speed_m_s:
+            _enter_phase(person, STANDING, t_s)
     elif person.phase != STANDING:
-        early = _early_stop(person, t_s, seen, rules)
-        return early, _stop(person, t_s, seen, rules)
-    elif abs(seen.yaw_rate_rad_s) > TURNING_RAD_S:
-        _enter(person, STANDING, t_s)
+        # Early events first: a regular event ends the phase that they belong to.
+        early = _early_stop(person, t_s, features, thresholds)
+        return early, _regular_stop(person, t_s, features, thresholds)
+    elif abs(features.yaw_rate_rad_s) > TURNING_RAD_S:
+        # A turn restarts the phase, and with it the times that arm the starts.
+        _enter_phase(person, STANDING, t_s)
         person.t_sway_s = t_s
     else:
-        early = _early_start(person, t_s, seen, busy, rules)
-        return early, _start(person, t_s, seen, rules)
-    return NOTHING, NOTHING
+        early = _early_start(person, t_s, features, early_start_blocked, thresholds)
+        return early, _regular_start(person, t_s, features, thresholds)
+    return NO_EVENT, NO_EVENT
 
 
-@njit(cache=True)
-def _missed_out(person: Record, t_s: float, seen: Record, rules: Record) -> bool:
-    """Whether the person is back from out of sight, and not in the move they were in."""
-    if isnan(seen.speed_m_s):
+@compiled_inner
+def _motion_was_missed(person: Record, t_s: float, features: Record, thresholds: Record) -> bool:
+    """Return whether the speed was unknown for too long and the person is not in the same move as before."""
+    if isnan(features.approach_speed_m_s):
         return False
-    lost = t_s - person.t_known_s > LOST_S
-    person.t_known_s = t_s
-    going = abs(person.phase) == FORWARD and person.phase * seen.speed_m_s >= rules.stop_speed_m_s
-    return bool(lost and not going)
+    lost = t_s - person.t_speed_s > LOST_S
+    person.t_speed_s = t_s
+    still_moving = (
+        abs(person.phase) == FORWARD and person.phase * features.approach_speed_m_s >= thresholds.stop_speed_m_s
+    )
+    return bool(lost and not still_moving)
 
 
-@njit(cache=True)
-def _enter(person: Record, phase: int, t_s: float) -> None:
+@compiled_inner
+def _enter_phase(person: Record, phase: int, t_s: float) -> None:
+    """Start a phase at ``t_s`` and arm its early event anew."""
     person.phase = phase
     person.t_phase_s = t_s
     person.t_early_s = -inf
-    person.run = 0
+    person.early_run = 0
 
 
-@njit(cache=True)
-def _start(person: Record, t_s: float, seen: Record, rules: Record) -> int:
-    rested_s = t_s - person.t_phase_s + _ROUNDING_S
-    if not (abs(seen.speed_m_s) > rules.start_speed_m_s and rested_s >= rules.min_hold_s):
-        return NOTHING
-    phase = FORWARD if seen.speed_m_s > 0.0 else BACKWARD
-    _enter(person, phase, t_s)
+@compiled_inner
+def _regular_start(person: Record, t_s: float, features: Record, thresholds: Record) -> int:
+    """Return the code of a regular start, or `NO_EVENT`."""
+    stood_s = t_s - person.t_phase_s + _ROUNDING_S
+    speed_m_s = features.approach_speed_m_s
+    if not (abs(speed_m_s) > thresholds.start_speed_m_s and stood_s >= thresholds.min_hold_s):
+        return NO_EVENT
+
+    phase = FORWARD if speed_m_s > 0.0 else BACKWARD
+    _enter_phase(person, phase, t_s)
     return phase
 
 
-@njit(cache=True)
-def _early_start(person: Record, t_s: float, seen: Record, busy: bool, rules: Record) -> int:
-    rested_s = t_s - person.t_phase_s + _ROUNDING_S
-    if abs(seen.yaw_rate_rad_s) > SWAYING_RAD_S:
+@compiled_inner
+def _early_start(person: Record, t_s: float, features: Record, blocked: bool, thresholds: Record) -> int:
+    """Return the code of an early start, or `NO_EVENT`."""
+    stood_s = t_s - person.t_phase_s + _ROUNDING_S
+    if abs(features.yaw_rate_rad_s) > SWAY_RAD_S:
         person.t_sway_s = t_s
-    if busy or t_s - person.t_sway_s < SWAY_S or min(rested_s, t_s - person.t_early_s) < rules.early_refractory_s:
-        person.run = 0
-        return NOTHING
-    sign = int(seen.towards >= rules.early_joints) - int(seen.away >= rules.early_joints)
-    person.run = person.run + sign if sign * person.run > 0 else sign
-    if abs(person.run) < rules.early_frames:
-        return NOTHING
+    swaying = t_s - person.t_sway_s < SWAY_S
+    if blocked or swaying or min(stood_s, t_s - person.t_early_s) < thresholds.early_refractory_s:
+        person.early_run = 0
+        return NO_EVENT
+
+    # Zero if as many joints move towards the sensor as away from it.
+    approaching = int(features.joints_approaching >= thresholds.early_joints)
+    receding = int(features.joints_receding >= thresholds.early_joints)
+    direction = approaching - receding
+    person.early_run = person.early_run + direction if direction * person.early_run > 0 else direction
+    if abs(person.early_run) < thresholds.early_frames:
+        return NO_EVENT
+
     person.t_early_s = t_s
-    return sign
+    return direction
 
 
-@njit(cache=True)
-def _stop(person: Record, t_s: float, seen: Record, rules: Record) -> int:
-    phase, moved_s = person.phase, t_s - person.t_phase_s + _ROUNDING_S
-    if not (moved_s >= rules.min_move_s and phase * seen.speed_m_s < rules.stop_speed_m_s):
-        return NOTHING
+@compiled_inner
+def _regular_stop(person: Record, t_s: float, features: Record, thresholds: Record) -> int:
+    """Return the code of a regular stop, or `NO_EVENT`; keep the duration of the move."""
+    phase = person.phase
+    moved_s = t_s - person.t_phase_s + _ROUNDING_S
+    slow = phase * features.approach_speed_m_s < thresholds.stop_speed_m_s
+    if not (moved_s >= thresholds.min_move_s and slow):
+        return NO_EVENT
+
     if phase == FORWARD:
         person.forward_s = t_s - person.t_phase_s
     else:
         person.backward_s = t_s - person.t_phase_s
-    _enter(person, STANDING, t_s)
+    _enter_phase(person, STANDING, t_s)
     return int(2 * phase)
 
 
-@njit(cache=True)
-def _early_stop(person: Record, t_s: float, seen: Record, rules: Record) -> int:
-    phase, moved_s = person.phase, t_s - person.t_phase_s + _ROUNDING_S
-    armed_s = rules.early_move_share * (person.forward_s if phase == FORWARD else person.backward_s)
-    if moved_s < armed_s or person.t_early_s > person.t_phase_s:
-        return NOTHING
-    going = seen.towards if phase == FORWARD else seen.away
-    still = seen.tracked - going > len(UPPER) - rules.early_joints
-    person.run = person.run + 1 if still else 0
-    if person.run < rules.early_frames:
-        return NOTHING
+@compiled_inner
+def _early_stop(person: Record, t_s: float, features: Record, thresholds: Record) -> int:
+    """Return the code of an early stop, or `NO_EVENT`."""
+    phase = person.phase
+    moved_s = t_s - person.t_phase_s + _ROUNDING_S
+    last_move_s = person.forward_s if phase == FORWARD else person.backward_s
+    if moved_s < thresholds.early_move_share * last_move_s or person.t_early_s > person.t_phase_s:
+        return NO_EVENT
+
+    # Joints that are not tracked may move, so only tracked joints count as still.
+    moving = features.joints_approaching if phase == FORWARD else features.joints_receding
+    still = features.joints_tracked - moving > len(UPPER_JOINTS) - thresholds.early_joints
+    person.early_run = person.early_run + 1 if still else 0
+    if person.early_run < thresholds.early_frames:
+        return NO_EVENT
+
     person.t_early_s = t_s
     return int(2 * phase)

@@ -1,4 +1,4 @@
-"""The detectors' thresholds as compiled code reads them: a row whose columns have names."""
+"""Thresholds of the detectors as one row of a structured array, which compiled code can read."""
 
 from __future__ import annotations
 
@@ -11,30 +11,40 @@ from numpy.typing import NDArray
 from ...config import DetectorConfig
 
 Record = Any
-"""One row of a structured array: its columns are attributes, in compiled code only."""
+"""One row of a structured array. Its columns are attributes in compiled code and keys in Python."""
 
 Records = NDArray[Any]
 """A structured array."""
 
-RULES = np.dtype(
+THRESHOLDS = np.dtype(
     [(field.name, np.int64 if field.type == "int" else np.float64) for field in fields(DetectorConfig)]
     + [("step_frames", np.int64)]
 )
-"""`DetectorConfig`'s fields, and how many frames back a joint's single steps are taken."""
+"""Columns: the fields of `DetectorConfig`, and the number of frames over which the step of a joint is taken."""
 
-BASE_HZ = 30
-"""Frame rate that the thresholds' frames are meant for; at another one they stand for the same times."""
-
-
-def frames_at(rate_hz: float, frames: int) -> int:
-    """How many frames of another rate last as long as so many at `BASE_HZ`; at least one."""
-    return max(1, round(frames * rate_hz / BASE_HZ))
+REFERENCE_RATE_HZ = 30
+"""Frame rate to which the frame counts of `DetectorConfig` refer; at other rates they keep their duration."""
 
 
-def rules(config: DetectorConfig, rate_hz: float) -> Records:
-    """(1,) the thresholds at a frame rate."""
+def threshold_row(config: DetectorConfig, rate_hz: float) -> Records:
+    """Return the thresholds at a frame rate.
+
+    Args:
+        config: the thresholds, with frame counts at `REFERENCE_RATE_HZ`.
+        rate_hz: nominal frame rate of the sensor.
+
+    Returns:
+        (1,) row with the columns of `THRESHOLDS`; frame counts are those of ``rate_hz``.
+    """
     values = asdict(config)
-    step = frames_at(rate_hz, 1)
-    values["difference_frames"] = max(step, frames_at(rate_hz, config.difference_frames))
-    values["early_frames"] = frames_at(rate_hz, config.early_frames)
-    return np.array([(*values.values(), step)], dtype=RULES)
+    step_frames = _frames_at_rate(1, rate_hz)
+
+    # A speed must not be taken over a shorter time than a single step.
+    values["difference_frames"] = max(step_frames, _frames_at_rate(config.difference_frames, rate_hz))
+    values["early_frames"] = _frames_at_rate(config.early_frames, rate_hz)
+    return np.array([(*values.values(), step_frames)], dtype=THRESHOLDS)
+
+
+def _frames_at_rate(reference_frames: int, rate_hz: float) -> int:
+    """Return the number of frames at a rate that last as long as so many at `REFERENCE_RATE_HZ`; at least one."""
+    return max(1, round(reference_frames * rate_hz / REFERENCE_RATE_HZ))

@@ -9,7 +9,7 @@ import numpy as np
 
 from sjasim.core import Kind
 
-from ..scripted import NORTH, Script, ScriptedView, Walk, match
+from ..scripted import NORTH, Script, ScriptedView, Walk, match_events
 
 Truth = list[tuple[float, Kind]]
 
@@ -97,6 +97,6 @@ def judged(found: Sequence, flaws: Flaws, kinds: Sequence[Kind] = tuple(Kind)) -
     for person, truth in enumerate(truths(flaws)):
         wanted = [one for one in truth if one[1] in kinds]
         own = [(one.t_s, one.kind) for one in found if one.person == person and not one.early and one.kind in kinds]
-        _, missed, false = match(own, wanted, 0.1, 0.5)
+        _, missed, false = match_events(own, wanted, 0.1, 0.5)
         totals = [total + more for total, more in zip(totals, (len(wanted), missed, false), strict=True)]
     return totals[0], totals[1], totals[2]

@@ -15,7 +15,7 @@ from sjasim.commands.options import main
 from sjasim.core import Kind
 from sjasim.core.errors import RecordError
 
-from ..scripted import NORTH, Script, ScriptedView, Walk, match
+from ..scripted import NORTH, Script, ScriptedView, Walk, match_events
 
 WALKS = [Walk(2.0 + 8.0 * k, 1.6, 0.5) for k in range(6)] + [Walk(5.0 + 8.0 * k, 1.8, -0.5) for k in range(6)]
 SCRIPT = Script((0.0, 0.2), walks=WALKS, claps=[8.4 + 8.0 * k for k in range(6)])
@@ -36,7 +36,7 @@ def recording(times: np.ndarray, drift_m: float = 0.0, seed: int = 0) -> np.ndar
 
 def judged(found, early: bool = False):
     events = [(one.t_s, one.kind) for one in found if one.early is early]
-    return match(events, SCRIPT.events(), 0.1, 0.5)
+    return match_events(events, SCRIPT.events(), 0.1, 0.5)
 
 
 @pytest.mark.parametrize("rate_hz", [15.0, 25.0, 30.0, 60.0])
