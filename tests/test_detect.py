@@ -1,4 +1,4 @@
-"""The command on a laboratory's files: quality_warnings on stderr, units refused, an event table that calibrate takes."""
+"""The command `detect` on a laboratory's files: warnings, refused units, and a table that `calibrate` reads."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from sjasim.commands.options import main
 from sjasim.sensors.recordings.detect import recording
 from sjasim.sensors.recordings.validation import quality_warnings
 
-from .sensors.recordings.scripted_recordings import Flaws, record
+from .sensors.recordings.scripted_recordings import Defects, record
 
-STILL = Flaws(bias_m=0.0, drift_m=0.0, white_m=0.001, away_s=(0.0, 0.0))
+STILL = Defects(bias_m=0.0, drift_m=0.0, white_m=0.001, away_s=(0.0, 0.0))
 
 
 def write(path, times, joints):
@@ -88,8 +88,8 @@ def test_other_units_are_refused_in_a_line(tmp_path, capsys, metres, seconds, wo
     assert re.search(words, err)
 
 
-def doubted(change, flaws: Flaws = STILL) -> list[str]:
-    times, joints = record(flaws, 0, until_s=12.0)
+def doubted(change, defects: Defects = STILL) -> list[str]:
+    times, joints = record(defects, 0, until_s=12.0)
     change(joints)
     return [line for line in quality_warnings(recording(times, joints)) if line.startswith("person 1")]
 
@@ -111,7 +111,7 @@ def test_what_hides_events_is_said_of_whom():
     )
     assert doubted(no_hip)[0].startswith("person 1: no events can be found: none of")
     assert doubted(gone) == ["person 1 is in no frame"]
-    assert "SpineBase strays at 0.1" in doubted(lambda joints: None, Flaws(white_m=0.01))[0]
+    assert "SpineBase has a speed noise of 0.1" in doubted(lambda joints: None, Defects(white_m=0.01))[0]
 
 
 @pytest.mark.parametrize(

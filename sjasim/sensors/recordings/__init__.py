@@ -1,1 +1,1 @@
-"""Events from recorded joints of real or simulated sensors."""
+"""Detection of events in recorded joints of real or simulated sensors."""

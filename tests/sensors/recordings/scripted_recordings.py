@@ -1,33 +1,35 @@
-"""Recordings as a laboratory's Kinect v2 makes them, with their truth: jitter, lost frames, lost joints, absences."""
+"""Recordings with the defects of a real Kinect v2, and their true events: noise, lost frames and joints, absences."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from sjasim.core import Kind
+from sjasim.sensors.recordings.detect import Detected
 
-from ..scripted import NORTH, Script, ScriptedView, Walk, match_events
-
-Truth = list[tuple[float, Kind]]
+from ..scripted import Script, ScriptedView, Walk, match_events
 
 
 @dataclass(frozen=True)
-class Flaws:
-    """What is wrong with a recording.
+class Defects:
+    """Defects of a recording.
 
     Attributes:
         rate_hz: nominal frame rate.
-        jitter_s: frames come as much too early or too late.
+        jitter_s: largest error of a frame's time.
         lost_frames: share of frames that are missing.
-        lost_joints: share of joints that are missing, each on its own.
-        outage_hz, outage_s: how often a joint disappears for a while, and for how long on average.
-        bias_m: constant error of a joint.
-        drift_m, drift_s: AR(1) error and its correlation time.
-        white_m: error of its own in every frame.
-        away_s: from when to when the second person is out of the picture.
+        lost_joints: share of joints that are missing, independently of one another.
+        outage_hz: rate at which a joint disappears for a while.
+        outage_s: mean duration of such an outage.
+        bias_m: standard deviation of a joint's constant error.
+        drift_m: standard deviation of a joint's first-order autoregressive error.
+        drift_s: correlation time of that error.
+        white_m: standard deviation of the error that is independent from frame to frame.
+        away_s: times between which the second person is out of the picture.
     """
 
     rate_hz: float = 30.0
@@ -44,7 +46,7 @@ class Flaws:
 
 
 def scripts() -> list[Script]:
-    """Two people who step, clap and stand."""
+    """Two persons who walk, clap and stand."""
     out = []
     for late_s, x in ((0.0, -0.4), (0.25, 0.5)):
         walks = [Walk(2.0 + 8.0 * k + late_s, 1.6, 0.5) for k in range(6)]
@@ -53,50 +55,67 @@ def scripts() -> list[Script]:
     return out
 
 
-def record(flaws: Flaws, seed: int, until_s: float = 52.0) -> tuple[np.ndarray, np.ndarray]:
+def record(defects: Defects, seed: int, until_s: float = 52.0) -> tuple[np.ndarray, np.ndarray]:
     """(T,) times [s] and (T, 2, 25, 3) joints, NaN where missing [m]."""
-    rng, view = np.random.default_rng(seed), ScriptedView(scripts())
-    times = np.arange(0.0, until_s, 1.0 / flaws.rate_hz)
-    times = times[rng.random(len(times)) >= flaws.lost_frames]
-    times = np.maximum.accumulate(times + rng.uniform(-1.0, 1.0, len(times)) * flaws.jitter_s)
-    joints = np.stack([(view.at(float(t)).joints_m - NORTH.position) @ NORTH.world_from_sensor for t in times])
+    rng = np.random.default_rng(seed)
+    view = ScriptedView(scripts())
+    times = np.arange(0.0, until_s, 1.0 / defects.rate_hz)
+    times = times[rng.random(len(times)) >= defects.lost_frames]
+    times = np.maximum.accumulate(times + rng.uniform(-1.0, 1.0, len(times)) * defects.jitter_s)
+    joints = np.stack([view.sensor_joints(float(t)) for t in times])
+
+    # The drift keeps less of itself over a longer gap between two frames.
     gaps = np.diff(times, prepend=times[0])
-    kept = np.exp(-gaps / flaws.drift_s)
-    fresh = flaws.drift_m * np.sqrt(1.0 - kept**2)[:, None, None, None] * rng.standard_normal(joints.shape)
-    error = flaws.drift_m * rng.standard_normal(joints.shape[1:])
+    kept = np.exp(-gaps / defects.drift_s)
+    fresh = defects.drift_m * np.sqrt(1.0 - kept**2)[:, None, None, None] * rng.standard_normal(joints.shape)
+    error = defects.drift_m * rng.standard_normal(joints.shape[1:])
     for index, share in enumerate(kept):
         error = share * error + fresh[index]
         joints[index] += error
-    joints += flaws.bias_m * rng.standard_normal(joints.shape[1:]) + flaws.white_m * rng.standard_normal(joints.shape)
-    joints[_hidden(flaws, times, joints.shape[:3], rng)] = np.nan
-    away = (times >= flaws.away_s[0]) & (times < flaws.away_s[1])
+
+    bias = defects.bias_m * rng.standard_normal(joints.shape[1:])
+    joints += bias + defects.white_m * rng.standard_normal(joints.shape)
+    joints[_missing(defects, times, joints.shape[:3], rng)] = np.nan
+    away = (times >= defects.away_s[0]) & (times < defects.away_s[1])
     joints[away, 1] = np.nan
     return times, joints
 
 
-def _hidden(flaws: Flaws, times: np.ndarray, shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
-    """(T, P, 25) which joints are missing."""
-    hidden = rng.random(shape) < flaws.lost_joints
+def _missing(defects: Defects, times: np.ndarray, shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
+    """(T, P, 25) whether a joint is missing."""
+    missing = rng.random(shape) < defects.lost_joints
     for person in range(shape[1]):
         for joint in range(shape[2]):
-            for start_s in rng.uniform(0.0, times[-1], rng.poisson(flaws.outage_hz * times[-1])):
-                until_s = start_s + rng.exponential(flaws.outage_s)
-                hidden[(times >= start_s) & (times < until_s), person, joint] = True
-    return hidden
+            for start_s in rng.uniform(0.0, times[-1], rng.poisson(defects.outage_hz * times[-1])):
+                until_s = start_s + rng.exponential(defects.outage_s)
+                missing[(times >= start_s) & (times < until_s), person, joint] = True
+    return missing
 
 
-def truths(flaws: Flaws) -> list[Truth]:
-    """What each of them did in the picture."""
+def true_events(defects: Defects) -> list[list[tuple[float, Kind]]]:
+    """True events of each person while in the picture."""
     first, second = (script.events() for script in scripts())
-    return [first, [one for one in second if not flaws.away_s[0] <= one[0] < flaws.away_s[1]]]
+    return [first, [event for event in second if not defects.away_s[0] <= event[0] < defects.away_s[1]]]
 
 
-def judged(found: Sequence, flaws: Flaws, kinds: Sequence[Kind] = tuple(Kind)) -> tuple[int, int, int]:
-    """How many regular events of some kinds there are, how many of them are missed, how many are invented."""
-    totals = [0, 0, 0]
-    for person, truth in enumerate(truths(flaws)):
-        wanted = [one for one in truth if one[1] in kinds]
+class EventCounts(NamedTuple):
+    """Numbers of true, missed and false regular events."""
+
+    true: int
+    missed: int
+    false: int
+
+
+def count_events(found: Sequence[Detected], defects: Defects, kinds: Sequence[Kind] = tuple(Kind)) -> EventCounts:
+    """Count regular events of some kinds, over both persons."""
+    true = 0
+    missed = 0
+    false = 0
+    for person, events in enumerate(true_events(defects)):
+        wanted = [event for event in events if event[1] in kinds]
         own = [(one.t_s, one.kind) for one in found if one.person == person and not one.early and one.kind in kinds]
-        _, missed, false = match_events(own, wanted, 0.1, 0.5)
-        totals = [total + more for total, more in zip(totals, (len(wanted), missed, false), strict=True)]
-    return totals[0], totals[1], totals[2]
+        match = match_events(own, wanted, 0.1, 0.5)
+        true += len(wanted)
+        missed += match.missed
+        false += match.false
+    return EventCounts(true, missed, false)
