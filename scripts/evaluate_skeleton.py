@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from sjasim.skeleton_training import report, trials
-from sjasim.skeleton_training.crossings import crossings, eclipses
+from sjasim.skeleton_training.crossings import crossing_errors, occlusion_errors
 from sjasim.skeleton_training.trials import Trial
 
 CONDITIONS: dict[str, dict[str, Any]] = {
@@ -42,19 +42,19 @@ shakes by .05 cm, 6 ms a frame, no event missed, 1 % false, and 33 ms."""
 
 def figures(name: str, dances: int, seed: int) -> dict[str, Any]:
     """All figures of one condition."""
-    outcomes = [trials.run(Trial(seed + index, **CONDITIONS[name])) for index in range(dances)]
-    base, upper = report.jitter_cm(outcomes)
-    tallies = {group: (t.expected, t.missed, t.false, t.p95_ms) for group, t in report.events(outcomes).items()}
-    hidden = report.events(outcomes, hidden=True)["claps"]
+    outcomes = [trials.run_trial(Trial(seed + index, **CONDITIONS[name])) for index in range(dances)]
+    base, upper = report.depth_noise_cm(outcomes)
+    tallies = {group: (t.expected, t.missed, t.false, t.p95_ms) for group, t in report.event_counts(outcomes).items()}
+    hidden = report.event_counts(outcomes, hidden=True)["claps"]
     return {
-        **report.errors(outcomes),
+        **report.joint_errors(outcomes),
         "cpu_ms": 1000 * float(np.median(np.concatenate([one.cpu_s for one in outcomes]))),
         "jitter_base_cm": base,
         "jitter_upper_cm": upper,
         "events": {group: dict(zip(("expected", "missed", "false", "p95_ms"), row, strict=True))
                    for group, row in tallies.items()},
         "hidden_claps": {"expected": hidden.expected, "missed": hidden.missed},
-        **report.identity(outcomes),
+        **report.identity_errors(outcomes),
     }  # fmt: skip
 
 
@@ -93,7 +93,7 @@ def main() -> int:
     rows: dict[str, Any] = {}
     for name in wanted:
         if name == "crossings":
-            rows[name] = {"crossings": crossings(options.seed), "eclipses": eclipses(options.seed)}
+            rows[name] = {"crossings": crossing_errors(options.seed), "eclipses": occlusion_errors(options.seed)}
         else:
             rows[name] = figures(name, options.dances, options.seed)
         if not options.json:

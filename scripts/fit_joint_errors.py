@@ -20,7 +20,7 @@ from sjasim.assets.names import JOINTS
 from sjasim.core import NOT_TRACKED, TRACKED
 from sjasim.sensors.joint_occlusion import LIMBS, TORSO
 from sjasim.skeleton_training import trials
-from sjasim.skeleton_training.trials import WARM_FRAMES, Outcome, Trial
+from sjasim.skeleton_training.trials import WARM_FRAMES, Trial, TrialResult
 
 SEED = 8760
 """Of the first dance; the evaluations' seeds are others."""
@@ -37,7 +37,7 @@ TRUNK = np.isin(np.arange(len(JOINTS)), TORSO)
 Rows = list[NDArray[np.float64]]
 
 
-def series(outcomes: Sequence[Outcome], chosen: NDArray[np.bool_], *, visible: bool) -> Rows:
+def series(outcomes: Sequence[TrialResult], chosen: NDArray[np.bool_], *, visible: bool) -> Rows:
     """Residuals (N, 3) of every chosen joint of every dancer: tracked while visible, or known while hidden.
 
     Gaps are closed.
@@ -64,7 +64,7 @@ def drift_of(rows: Rows) -> tuple[float, float]:
     return drift, max(0.0, 1.0 - step**2 / (2.0 * drift**2))
 
 
-def fitted(outcomes: Sequence[Outcome]) -> dict[str, float]:
+def fitted(outcomes: Sequence[TrialResult]) -> dict[str, float]:
     """The fields of SensorConfig, from dances seen by depth sensing.
 
     Bias: r.m.s. of the mean errors of the torso's visible joints; the limbs' is taken to be the same. Hidden factors:
@@ -100,7 +100,7 @@ def root_mean_square(values: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def known(outcomes: Sequence[Outcome]) -> dict[str, float]:
+def known(outcomes: Sequence[TrialResult]) -> dict[str, float]:
     """How often visible joints are tracked, and hidden ones taken for tracked: what `joints` sensing simplifies."""
     visible = np.concatenate([one.visible[WARM_FRAMES:].reshape(-1, len(JOINTS)) for one in outcomes])
     state = np.concatenate([one.state[WARM_FRAMES:].reshape(-1, len(JOINTS)) for one in outcomes])
@@ -121,7 +121,7 @@ def main() -> int:
     outcomes = []
     for index in range(options.dances):
         sys.stderr.write(f"dance {index + 1} of {options.dances}\n")
-        outcomes.append(trials.run(Trial(options.seed + index, length_s=20.0, aligned=index % 2 == 1)))
+        outcomes.append(trials.run_trial(Trial(options.seed + index, length_s=20.0, aligned=index % 2 == 1)))
     values, shares = fitted(outcomes), known(outcomes)
     if options.json:
         print(json.dumps({"schema": 1, "seed": options.seed, "sensors": values, "known": shares}, indent=1))

@@ -20,14 +20,14 @@ from ..humans.body.proportions import scaled_anatomy
 from ..humans.motion.reference_trajectory import ReferenceTrajectory
 from ..simulation.physics import Physics
 from .scenes import RATE_HZ, planned, random_build
-from .trials import Outcome, PosedView, Trial, perform
+from .trials import PosedView, Trial, TrialResult, record_trial
 
 _BASE = JOINT_INDEX["SpineBase"]
 GAPS_M = (-0.8, 0.8, 1.2, 0.5)
 """How far behind the others the walker passes; negative is before them."""
 
 
-def crossings(seed: int, runs: int = 28) -> dict[str, float]:
+def crossing_errors(seed: int, runs: int = 28) -> dict[str, float]:
     """Passing both others and back: runs with an identity changed or lost, worst share of frames without a person."""
     wrong, lost = 0, []
     for index in range(runs // 2):
@@ -40,7 +40,7 @@ def crossings(seed: int, runs: int = 28) -> dict[str, float]:
     return {"runs": 2 * (runs // 2), "wrong": wrong, "most_frames_lost": max(lost)}
 
 
-def eclipses(seed: int, runs: int = 8, hidden_s: float = 1.0) -> dict[str, float]:
+def occlusion_errors(seed: int, runs: int = 8, hidden_s: float = 1.0) -> dict[str, float]:
     """Halting a second behind somebody tall and heavy; the walker is small."""
     wrong, lost = 0, []
     for index in range(runs):
@@ -62,7 +62,7 @@ def _ramp(start: float, end: float, speed: float) -> Array:
     return np.linspace(start, end, count)
 
 
-def _walk(seed: int, rng: np.random.Generator, gap: float, path: Array, *, small: bool = False) -> Outcome:
+def _walk(seed: int, rng: np.random.Generator, gap: float, path: Array, *, small: bool = False) -> TrialResult:
     """Two stand .6 m left and right of the middle; the third passes at ``gap`` behind along x = ``path``."""
     builds = [random_build(rng) for _ in range(3)]
     if small:
@@ -80,14 +80,14 @@ def _walk(seed: int, rng: np.random.Generator, gap: float, path: Array, *, small
     joints, pelvis = np.array([plan.joints[0] for plan in plans]), np.array([plan.pelvis[0] for plan in plans])
     physics = Physics(bodies, room, (0.0, 0.0), joints, pelvis, PhysicsConfig(), BodyConfig(), RobotConfig())
     view = PosedView(physics, plans, (1.6, far_y - 4.2, 0.0))
-    return perform(view, room, Trial(seed), len(walker))
+    return record_trial(view, room, Trial(seed), len(walker))
 
 
 def _stand(plan: ReferenceTrajectory, x: Array, y: float) -> None:
     plan.pelvis[:, 0], plan.pelvis[:, 1] = x, y
 
 
-def _judge(outcome: Outcome) -> tuple[bool, float]:
+def _judge(outcome: TrialResult) -> tuple[bool, float]:
     """Whether an identity moved to somebody else or somebody got another, and the share of frames without one."""
     names = outcome.name[45:]
     wrong = False

@@ -14,7 +14,7 @@ from ..config import DetectorConfig, SensorConfig
 from ..core import TRACKED, Array, DeviceEvent, Kind, SkeletonFrame, Skeletons
 from ..sensors.events.detectors import EventDetector
 from .scenes import RATE_HZ
-from .trials import WARM_FRAMES, Outcome
+from .trials import WARM_FRAMES, TrialResult
 
 _BASE = JOINT_INDEX["SpineBase"]
 _HANDS = [JOINT_INDEX["HandLeft"], JOINT_INDEX["HandRight"]]
@@ -28,7 +28,7 @@ SEEN_SHARE = 0.9
 """A dancer whose trunk joints are visible in so many frames counts as visible."""
 
 
-def errors(outcomes: Iterable[Outcome]) -> dict[str, float]:
+def joint_errors(outcomes: Iterable[TrialResult]) -> dict[str, float]:
     """Median and p95 error of visible joints that have a position [cm], shares tracked and lost, left-right swaps.
 
     ``astray`` is the share of all tracked joints, whether visible or not, that are off by more than `ASTRAY_M`;
@@ -61,7 +61,7 @@ def errors(outcomes: Iterable[Outcome]) -> dict[str, float]:
     }
 
 
-def by_joint(outcomes: Iterable[Outcome]) -> dict[str, tuple[float, float, float]]:
+def errors_by_joint(outcomes: Iterable[TrialResult]) -> dict[str, tuple[float, float, float]]:
     """Joint -> median and p95 error where visible [cm], share tracked."""
     outcomes = list(outcomes)
     away = [np.linalg.norm(one.found - one.true, axis=3)[WARM_FRAMES:] for one in outcomes]
@@ -78,7 +78,7 @@ def by_joint(outcomes: Iterable[Outcome]) -> dict[str, tuple[float, float, float
     return out
 
 
-def jitter_cm(outcomes: Iterable[Outcome]) -> tuple[float, float]:
+def depth_noise_cm(outcomes: Iterable[TrialResult]) -> tuple[float, float]:
     """Frame-to-frame s.d. of the depth error, median over visible dancers: SpineBase, and the early events' joints."""
     rows: list[float] = []
     upper: list[float] = []
@@ -93,7 +93,7 @@ def jitter_cm(outcomes: Iterable[Outcome]) -> tuple[float, float]:
 
 
 @dataclass(slots=True)
-class Tally:
+class EventCounts:
     """Events against those on true joints.
 
     Attributes:
@@ -141,12 +141,12 @@ def detected(joints: Array, state: NDArray[np.int8]) -> list[DeviceEvent]:
     return out
 
 
-def events(outcomes: Iterable[Outcome], *, hidden: bool = False) -> dict[str, Tally]:
+def event_counts(outcomes: Iterable[TrialResult], *, hidden: bool = False) -> dict[str, EventCounts]:
     """Tallies of regular moves, claps and early events of dancers that are visible (or, on request, are not).
 
     A clap needs both hands, and so does its tally; moves need the trunk.
     """
-    out = {"moves": Tally(), "claps": Tally(), "early": Tally()}
+    out = {"moves": EventCounts(), "claps": EventCounts(), "early": EventCounts()}
     for one in outcomes:
         for k in range(one.true.shape[1]):
             part = slice(WARM_FRAMES, None)
@@ -167,7 +167,7 @@ def _times(seen: Sequence[DeviceEvent], group: str, kind: Kind) -> list[float]:
     return [event.t_device_s for event in seen if event.kind is kind and event.early == (group == "early")]
 
 
-def identity(outcomes: Iterable[Outcome]) -> dict[str, float]:
+def identity_errors(outcomes: Iterable[TrialResult]) -> dict[str, float]:
     """Dancers whose identity changed, frames of dancers without a person, frames with a person at nobody's place."""
     changed = lost = ghosts = frames = 0
     for one in outcomes:

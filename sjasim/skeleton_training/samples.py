@@ -34,7 +34,7 @@ _BASE = JOINT_INDEX["SpineBase"]
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class ObservedScene:
     """One scene as the sensor takes it.
 
     Attributes:
@@ -56,7 +56,7 @@ class Seen:
     prior: Array
 
 
-class Watcher:
+class TrainingSensor:
     """A sensor that takes scenes.
 
     Args:
@@ -72,7 +72,7 @@ class Watcher:
         self._scene = Foreground.allocate(self.intrinsics)
         self._camera: DepthCamera | None = None
 
-    def see(self, mount: Mount, scene: Scene) -> Seen:
+    def see(self, mount: Mount, scene: Scene) -> ObservedScene:
         """Take one scene; the foreground is valid until the next."""
         rng = self._rng
         if self._camera is None:
@@ -96,7 +96,9 @@ class Watcher:
         scales = scale_from_stature(scene.stature_m) * (1.0 + SCALE * rng.standard_normal(len(joints)))
         per_pixel = 1.0 / (self.intrinsics.fx * self.intrinsics.fy)
         body = segmentation.measure_persons(self._scene, places, scales, per_pixel)
-        return Seen(self._scene, owner, joints, scene.yaw_rad, person_features(body, scales, yaw), body[:, 0], prior)
+        return ObservedScene(
+            self._scene, owner, joints, scene.yaw_rad, person_features(body, scales, yaw), body[:, 0], prior
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +142,7 @@ def gather(
         seed: of noise and drawing.
         name: of the random stream.
     """
-    watcher, rng = Watcher(seed, name), stream(seed, "training", name, "pixels")
+    watcher, rng = TrainingSensor(seed, name), stream(seed, "training", name, "pixels")
     parts: list[tuple[NDArray[Any], ...]] = []
     for mount, scene in scenes:
         seen = watcher.see(mount, scene)

@@ -99,7 +99,7 @@ class Trial:
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class TrialResult:
     """What a trial showed: T frames, D dancers.
 
     Attributes:
@@ -130,7 +130,7 @@ def place_everyone(trial: Trial) -> Layout:
     return layout(SessionConfig(layout="rows" if trial.aligned else "square", scene=scene))
 
 
-def stage_dance(trial: Trial) -> tuple[PosedView, Layout]:
+def prepare_trial(trial: Trial) -> tuple[PosedView, Layout]:
     """Cast and plan a trial."""
     rng = stream(trial.seed, "trial", "cast")
     room = place_everyone(trial)
@@ -154,7 +154,7 @@ def _kept(cues: list[Cue], trial: Trial) -> list[Cue]:
     return [cue for cue in cues if trial.turns or cue.move is not Move.TURN]
 
 
-def perform(view: PosedView, room: Layout, trial: Trial, ticks: int) -> Outcome:
+def record_trial(view: PosedView, room: Layout, trial: Trial, ticks: int) -> TrialResult:
     """Let the north sensor see a view tick by tick."""
     config = replace(SensorConfig(), width_px=trial.width_px)
     mount = room.mounts[0]
@@ -185,10 +185,10 @@ def perform(view: PosedView, room: Layout, trial: Trial, ticks: int) -> Outcome:
                 known = skeletons.state[row] != NOT_TRACKED
                 found[tick, owner, known] = skeletons.joints[row, known]
                 state[tick, owner] = skeletons.state[row]
-    return Outcome(trial, true, found, state, visible, name, strangers, cpu)
+    return TrialResult(trial, true, found, state, visible, name, strangers, cpu)
 
 
-def run(trial: Trial) -> Outcome:
+def run_trial(trial: Trial) -> TrialResult:
     """Perform a trial and see it."""
-    view, room = stage_dance(trial)
-    return perform(view, room, trial, round(trial.length_s * RATE_HZ))
+    view, room = prepare_trial(trial)
+    return record_trial(view, room, trial, round(trial.length_s * RATE_HZ))

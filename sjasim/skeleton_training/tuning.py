@@ -18,7 +18,7 @@ from ..sensors.skeleton import posture_prior
 from ..sensors.skeleton.estimator import JOINT_VOTE_POINTS, MIN_SURFACE_M2, sampling_fractions
 from ..sensors.skeleton.joint_voting import JointVoter
 from ..sensors.skeleton.trained_model import SkeletonModel, runtime_model
-from .samples import Watcher, in_body
+from .samples import TrainingSensor, in_body
 from .scenes import Scene
 
 GOOD_M = 0.12
@@ -66,7 +66,7 @@ class Estimates:
 
 def estimate(scenes: Iterable[tuple[Mount, Scene]], model: SkeletonModel, seed: int, name: str) -> Estimates:
     """Let a model see scenes that it was not trained on."""
-    watcher, votes = Watcher(seed, name), JointVoter(runtime_model(model), MAX_TRACKED_PERSONS)
+    watcher, votes = TrainingSensor(seed, name), JointVoter(runtime_model(model), MAX_TRACKED_PERSONS)
     rows: list[tuple[Array, ...]] = []
     fx = watcher.intrinsics.fx
     for mount, scene in scenes:

@@ -51,6 +51,6 @@ def test_events_of_visible_dancers_are_those_of_their_true_joints(script, name):
 
 @pytest.mark.slow
 def test_who_is_crossed_or_eclipsed_keeps_the_own_name(script):
-    for found in (script.crossings(SEED), script.eclipses(SEED)):
+    for found in (script.crossing_errors(SEED), script.occlusion_errors(SEED)):
         assert found["runs"] >= 8
         assert found["wrong"] == 0

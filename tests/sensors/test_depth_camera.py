@@ -12,7 +12,7 @@ from sjasim.choreography.layout import layout
 from sjasim.config import SessionConfig
 from sjasim.core import Geoms
 from sjasim.sensors.depth_camera import DepthCamera, Intrinsics
-from sjasim.skeleton_training.trials import Trial, stage_dance
+from sjasim.skeleton_training.trials import Trial, prepare_trial
 
 NORTH = layout(SessionConfig()).mounts[0]
 FOV = math.radians(70.6), math.radians(60.0)
@@ -137,7 +137,7 @@ def first_hits(physics, directions):
 
 
 def test_dancers_and_robot_on_a_stage_are_seen_as_the_stages_own_rays_see_them():
-    view, room = stage_dance(Trial(5, 4.0))
+    view, room = prepare_trial(Trial(5, 4.0))
     intrinsics = Intrinsics.from_field_of_view(256, *FOV)
     seen = DepthCamera(room.mounts[0], intrinsics).render(view.geoms)
     directions = rays(intrinsics)

@@ -21,12 +21,12 @@ from sjasim.sensors.depth_sensing import IMAGE_MARGIN_M, DepthSensing
 from sjasim.sensors.skeleton import posture_prior
 from sjasim.sensors.skeleton.estimator import MIN_TRUNK_JOINTS, SkeletonEstimator, yaw_confidence
 from sjasim.skeleton_training import report
-from sjasim.skeleton_training.trials import Outcome, Trial, perform, run, stage_dance
+from sjasim.skeleton_training.trials import Trial, TrialResult, prepare_trial, record_trial, run_trial
 
 
 @cache
-def seen(facing_deg: float, length_s: float = 4.0, **special: bool) -> Outcome:
-    return run(Trial(77, length_s, math.radians(facing_deg), **special))
+def seen(facing_deg: float, length_s: float = 4.0, **special: bool) -> TrialResult:
+    return run_trial(Trial(77, length_s, math.radians(facing_deg), **special))
 
 
 def test_is_registered_under_its_name():
@@ -37,7 +37,7 @@ def test_is_registered_under_its_name():
     ("facing_deg", "median_cm", "p95_cm"), [(0.0, 1.7, 5.0), (45.0, 2.2, 8.0), (-90.0, 2.5, 12.0), (180.0, 3.5, 12.0)]
 )
 def test_skeletons_are_near_the_truth_at_any_heading(facing_deg: float, median_cm: float, p95_cm: float):
-    figures = report.errors([seen(facing_deg)])
+    figures = report.joint_errors([seen(facing_deg)])
     assert figures["median_cm"] < median_cm
     assert figures["p95_cm"] < p95_cm
     assert figures["swapped"] == 0.0
@@ -48,18 +48,18 @@ def test_skeletons_are_near_the_truth_at_any_heading(facing_deg: float, median_c
 
 def test_facing_dancers_are_tracked_each_with_one_identity():
     outcome = seen(0.0)
-    assert report.errors([outcome])["tracked"] > 0.98
-    assert report.identity([outcome]) == {"changed": 0, "lost_share": 0.0, "ghost_frames": 0}
-    base, upper = report.jitter_cm([outcome])
+    assert report.joint_errors([outcome])["tracked"] > 0.98
+    assert report.identity_errors([outcome]) == {"changed": 0, "lost_share": 0.0, "ghost_frames": 0}
+    base, upper = report.depth_noise_cm([outcome])
     assert base < 0.05
     assert upper < 0.1
 
 
 def test_figures_by_joint_and_events_can_be_told():
     outcome = seen(0.0)
-    rows = report.by_joint([outcome])
+    rows = report.errors_by_joint([outcome])
     assert rows["SpineBase"][0] < 4.0
-    tallies = report.events([outcome])
+    tallies = report.event_counts([outcome])
     assert tallies["moves"].missed == 0
 
 
@@ -67,7 +67,7 @@ def test_figures_by_joint_and_events_can_be_told():
 def frames(count: int = 12) -> tuple[list[np.ndarray], list[Skeletons]]:
     """Depth frames of a trial and the skeletons that were found in them."""
     trial = Trial(78, 4.0)
-    view, room = stage_dance(trial)
+    view, room = prepare_trial(trial)
     sensing = DepthSensing(room.mounts[0], SessionConfig(), stream(0, "sensor"))
     depths, found = [], []
     estimator = SkeletonEstimator(sensing.intrinsics, float(room.mounts[0].position[2]))
@@ -79,7 +79,7 @@ def frames(count: int = 12) -> tuple[list[np.ndarray], list[Skeletons]]:
 
 
 def test_who_is_farther_than_persons_are_tracked_is_inferred_and_not_visible():
-    view, room = stage_dance(Trial(78, 4.0))
+    view, room = prepare_trial(Trial(78, 4.0))
     far_m = 3.0
     sensing = DepthSensing(
         room.mounts[0], SessionConfig(sensors=replace(SensorConfig(), max_range_m=far_m)), stream(0, "sensor")
@@ -119,7 +119,7 @@ assert "mujoco" not in sys.modules
 
 def test_a_depth_image_reaches_beyond_the_farthest_person_that_is_met():
     trial = Trial(78, 4.0)
-    view, room = stage_dance(trial)
+    view, room = prepare_trial(trial)
     reach_m = 3.0
     sensing = DepthSensing(
         room.mounts[0], SessionConfig(sensors=SensorConfig(max_range_m=reach_m)), stream(0, "sensor")
@@ -198,7 +198,7 @@ def test_more_than_six_are_not_all_tracked():
 
 def test_the_record_knows_who_is_who_and_what_is_visible():
     trial = Trial(79, 3.5)
-    view, room = stage_dance(trial)
+    view, room = prepare_trial(trial)
     sensing = DepthSensing(room.mounts[0], SessionConfig(), stream(0, "sensor"))
     assert sensing.dancers.shape == (0,)
     assert sensing.visible.shape == (0, 25)
@@ -214,19 +214,19 @@ def test_the_record_knows_who_is_who_and_what_is_visible():
 
 
 def test_frame_loss_has_the_given_rate():
-    view, room = stage_dance(Trial(79, 3.5))
+    view, room = prepare_trial(Trial(79, 3.5))
     sensing = DepthSensing(room.mounts[0], SessionConfig(sensors=SensorConfig(frame_loss=0.5)), stream(0, "sensor"))
     lost = sum(sensing.sample(view) is None for _ in range(60))
     assert 15 < lost < 45
 
 
 def test_turning_dancers_keep_left_and_right():
-    outcome = run(Trial(81, 9.0, 0.0, turns=True))
-    assert report.errors([outcome])["swapped"] < 0.005
+    outcome = run_trial(Trial(81, 9.0, 0.0, turns=True))
+    assert report.joint_errors([outcome])["swapped"] < 0.005
 
 
 def test_who_leaves_the_picture_goes_on_and_is_not_held_at_its_edge():
-    view, room = stage_dance(Trial(77, 3.5))
+    view, room = prepare_trial(Trial(77, 3.5))
     sensing = DepthSensing(room.mounts[0], SessionConfig(), stream(0, "sensor"))
     estimator = SkeletonEstimator(sensing.intrinsics, float(room.mounts[0].position[2]))
     still = sensing.frame(view)
@@ -244,18 +244,18 @@ def test_who_leaves_the_picture_goes_on_and_is_not_held_at_its_edge():
 
 @pytest.mark.slow
 def test_crossings_and_eclipses_change_no_identity():
-    from sjasim.skeleton_training.crossings import crossings, eclipses
+    from sjasim.skeleton_training.crossings import crossing_errors, occlusion_errors
 
-    assert crossings(7000, 8)["wrong"] == 0
-    assert crossings(8600, 2)["wrong"] == 0
-    assert eclipses(7000, 3)["wrong"] == 0
+    assert crossing_errors(7000, 8)["wrong"] == 0
+    assert crossing_errors(8600, 2)["wrong"] == 0
+    assert occlusion_errors(7000, 3)["wrong"] == 0
 
 
 @pytest.mark.slow
 def test_full_resolution_is_as_good():
-    view, room = stage_dance(Trial(77, 4.0, width_px=512))
-    outcome = perform(view, room, Trial(77, 4.0, width_px=512), 90)
-    assert report.errors([outcome])["median_cm"] < 2.5
+    view, room = prepare_trial(Trial(77, 4.0, width_px=512))
+    outcome = record_trial(view, room, Trial(77, 4.0, width_px=512), 90)
+    assert report.joint_errors([outcome])["median_cm"] < 2.5
 
 
 def test_leaves_that_point_everywhere_hardly_turn_anybody():

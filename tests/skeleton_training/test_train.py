@@ -9,7 +9,7 @@ import pytest
 
 from sjasim.sensors.skeleton.forest import point_features
 from sjasim.skeleton_training.forests import Growth, draw_probes, settle
-from sjasim.skeleton_training.samples import Watcher, in_body
+from sjasim.skeleton_training.samples import TrainingSensor, in_body
 from sjasim.skeleton_training.scenes import scenes
 from sjasim.skeleton_training.train import SMALL, Recipe, train
 from sjasim.skeleton_training.tuning import estimate
@@ -37,7 +37,7 @@ def test_scenes_show_everybody_somewhere_within_their_ranges():
 
 def test_features_do_not_depend_on_where_a_point_stands_in_the_list():
     mount, scene = next(iter(scenes(1, 3, "test")))
-    watcher = Watcher(0, "test")
+    watcher = TrainingSensor(0, "test")
     seen = watcher.see(mount, scene)
     probes = draw_probes(20, 0)
     rows = np.flatnonzero(seen.scene.owner[: seen.scene.count] == 0)[:40]
