@@ -1,4 +1,4 @@
-"""Dancers on a stage without sensors: plans, balance and physics as in a session, and what came of them."""
+"""Dancers in physics without sensors: plans, balance and physics as in a session, and measures of the motion."""
 
 from __future__ import annotations
 
@@ -30,15 +30,18 @@ NORTH = np.pi / 2
 
 
 def dance(name: str = "paper") -> Choreography:
+    """A registered dance."""
     return resolve("choreography", name).factory()
 
 
 def builds(count: int, seed: int) -> list[Anatomy]:
+    """Bodies of random stature and mass."""
     rng = np.random.default_rng(seed)
     return [scaled_anatomy(Build(rng.uniform(1.50, 1.95), rng.uniform(50, 100))) for _ in range(count)]
 
 
 def walk_cue(move: Move, t_s: float, duration_s: float, dancer: int = 0) -> Cue:
+    """Cue of a single move in iteration 1."""
     return Cue(dancer_name(dancer), move, 1, 0, 0.0, t_s, duration_s)
 
 
@@ -46,30 +49,33 @@ def jittered(timetable: Timetable, iteration: int, dancer: int, rng: np.random.G
     """One iteration's cues with independent jitter at every event, no move under .8 s, no hold under .15 s."""
     cues: list[Cue] = []
     free = 0.0
+
     for index, item in enumerate(timetable.choreography.moves):
         t = timetable.time_s(iteration, item.beat) + float(np.clip(rng.normal(0, sd_s), -0.6, 0.6))
         end = timetable.time_s(iteration, item.beat + item.beats) + float(np.clip(rng.normal(0, sd_s), -0.6, 0.6))
         t = max(t, free)
         duration = max(end - t, 0.8) if len(MOVE_EVENTS[item.move]) == 2 else 0.0
         if item.move is Move.TURN:
-            t, duration = cues[-1].t_s + 0.25, 1.8
+            t = cues[-1].t_s + 0.25
+            duration = 1.8
+
         ordinal = timetable.choreography.first_ordinal(index)
         cues.append(Cue(dancer_name(dancer), item.move, iteration, ordinal, item.beat, t, duration))
         free = t + duration + 0.15
+
     return cues
 
 
 def at_rest(reference: ReferenceTrajectory) -> ReferenceTrajectory:
-    """One dancer's plan with the rows that are not planned yet filled as they are read: the last one, repeated."""
-    known = int(reference.planned_rows[0])
-    for name in ("joints", "pelvis", "yaw", "dcm", "weight", "ankles", "foot_yaw", "landing", "torque"):
-        getattr(reference, name)[known:] = getattr(reference, name)[known - 1]
+    """One dancer's trajectory, with rows that are not planned filled as they are read: by the last planned one."""
+    planned = int(reference.planned_rows[0])
+    reference.rows[planned:] = reference.rows[planned - 1]
     return reference
 
 
 @dataclass
 class Floor:
-    """A stage with planners and balance; the columns of ``truth`` have a row per control tick."""
+    """Physics with planners and balance controllers; the columns of ``truth`` have a row for each control step."""
 
     bodies: list[Anatomy]
     seconds: float
@@ -82,52 +88,64 @@ class Floor:
 
     def __post_init__(self) -> None:
         count = len(self.bodies)
-        room = layout(SessionConfig(dancers=min(count, 3)))
+        place = layout(SessionConfig(dancers=min(count, 3)))
         if self.slots is not None:
-            room = replace(room, dancers=self.slots)
+            place = replace(place, dancers=self.slots)
+
         self.ticks = round(self.seconds * HZ)
         self.reference = ReferenceTrajectory.empty(count, self.ticks + 120)
         self.planners = [
-            Planner(body, room.dancers[i], self.heading, 0.5, self.turn_rad, HZ, self.reference.for_dancer(i))
+            Planner(body, place.dancers[i], self.heading, 0.5, self.turn_rad, HZ, self.reference.for_dancer(i))
             for i, body in enumerate(self.bodies)
         ]
+
         start = self.reference.joints[:, 0].copy(), self.reference.pelvis[:, 0].copy()
-        self.physics = Physics(self.bodies, room, (self.heading, NORTH), *start, PhysicsConfig(), self.body, self.robot)
+        self.physics = Physics(
+            self.bodies, place, (self.heading, NORTH), *start, PhysicsConfig(), self.body, self.robot
+        )
+
         omega = np.array([planner.omega for planner in self.planners])
         balance = BalanceController(self.reference, omega, HZ, self.physics.servos, self.gains)
         self.controller = DancerController(self.physics, balance, GroundTruthRecorder(self.physics.servos.weight, 1))
+
         self.cues: list[list[Cue]] = [[] for _ in self.bodies]
         self.tick = 0
-        self.truth: dict[str, list[Array]] = {name: [] for name in ("roots", "tether", "loads", "hands", "joints")}
+        self.truth: dict[str, list[Array]] = {name: [] for name in ("roots", "support", "loads", "hands", "joints")}
 
     def plan(self, dancer: int, cues: Sequence[Cue], now_s: float) -> None:
+        """Plan further cues of a dancer."""
         self.cues[dancer] += cues
         self.planners[dancer].extend(cues, now_s)
 
     def run(self, seconds: float | None = None) -> Floor:
-        """Dance on, to the end unless told how long."""
+        """Continue for a time, or to the end."""
         last = self.ticks if seconds is None else self.tick + round(seconds * HZ)
         for tick in range(self.tick, last):
             self.controller.step(tick, tick / HZ)
             self.physics.step_to((tick + 1) * TICKS)
             self.physics.measure_load()
+
             states = self.physics.states()
             gaps = np.linalg.norm(states.hands[:, 0] - states.hands[:, 1], axis=1)
             rows = states.root, states.tether, states.load, gaps
             for column, row in zip(self.truth.values(), (*rows, self.physics.joints_m), strict=True):
                 column.append(np.array(row))
+
         self.tick = last
         return self
 
     def column(self, name: str) -> Array:
+        """(T, ...) one column of ``truth``."""
         return np.array(self.truth[name])
 
     @property
     def times(self) -> Array:
+        """(T,) session times of the rows of ``truth`` [s]."""
         return (np.arange(len(self.truth["roots"])) + 1) / HZ
 
     @property
     def fell(self) -> bool:
+        """Whether the pelvis of a dancer was ever lower than 65 % of its standing height."""
         standing = np.array([body.standing_m for body in self.bodies])
         return bool((self.column("roots")[:, :, 2] < 0.65 * standing).any())
 
@@ -138,19 +156,21 @@ class Floor:
         planned = self.reference.pelvis[:, 1 : len(self.times) + 1, :2].swapaxes(0, 1)
         return np.linalg.norm(self.column("roots")[:, :, :2] - planned, axis=2)
 
-    def tether_n(self) -> Array:
-        """(T, D) horizontal force of the tether [N]."""
-        force = self.column("tether")
+    def support_n(self) -> Array:
+        """(T, D) horizontal force of the balance support [N]."""
+        force = self.column("support")
         return np.hypot(force[..., 0], force[..., 1])
 
     def event_errors(self, dancer: int) -> list[tuple[Kind, float, float]]:
-        """(kind, true minus planned time, planned duration of the move) of every start, stop and clap; NaN if missing.
+        """(kind, true minus planned time, planned duration of the move) of every start, stop and clap.
 
-        Starts and stops are crossings of .10 m/s by SpineBase's speed along the heading.
+        The error of a missing event is NaN. Starts and stops are crossings of .10 m/s by the speed of SpineBase along
+        the heading.
         """
         roots = self.column("roots")[:, dancer]
         found = detect_moves(self.times, roots[:, 0], roots[:, 1], roots[:, 3])
         found += [(t, Kind.CLAP) for t in detect_claps(self.times, self.column("hands")[:, dancer])]
+
         errors = []
         for cue in self.cues[dancer]:
             for kind, t_s in cue.events():
@@ -161,13 +181,15 @@ class Floor:
 
 def paper_floor(bodies: list[Anatomy], seed: int, iterations: int = 1, sd_s: float = 0.1, lead_in_s: float = 2.0,
                 name: str = "paper", **options) -> Floor:  # fmt: skip
-    """Dancers who know an iteration or more of a dance."""
+    """Dancers with plans for whole iterations of a dance."""
     choreography = dance(name)
     timetable = Timetable(choreography, TempoMap.steady(118), lead_in_s, 1, iterations)
     floor = Floor(bodies, timetable.close_s(iterations) + 1.5, turn_rad=choreography.turn_rad, **options)
     rng = np.random.default_rng([seed, 7])
+
     for dancer in range(len(bodies)):
         for iteration in range(1, iterations + 1):
             cues = jittered(timetable, iteration, dancer, rng, sd_s)
             floor.plan(dancer, cues, max(0.0, timetable.start_s(iteration) - 2.0))
+
     return floor

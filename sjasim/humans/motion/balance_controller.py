@@ -1,16 +1,17 @@
-"""BalanceController control: small corrections to the planned joint targets that keep a dancer on its feet; all dancers in one call.
+"""The balance controller: corrections of the planned joint targets that keep the dancers on their feet.
 
-The error of the divergent component of motion moves the pressure under the standing feet (ankles) and the next
-foothold (hips of the swinging leg); pitch, roll and yaw errors go to the hips.
+The error of the divergent component of motion moves the pressure under the standing feet (by the ankles) and the next
+foothold (by the hips of the swinging leg). Errors of pitch, roll and yaw go to the hips.
 
-Source: englsberger2015, section IV (capture-point control). Gains were found by an evolution strategy on
-simulated dances with jitter and sideways pushes of 27 Ns while walking; a push decides more than a calm dance. Roll
-and decay were found anew at 150 and 50 steps a second, on pushes of 22 and 27 Ns.
+Source: englsberger2015, section IV (capture-point control). The gains were found by an evolution strategy on simulated
+dances with timing noise and sideways pushes of 27 Ns while walking, which decide more than calm dances; the gain of
+roll and the decay were found anew at 150 steps and 50 control steps a second, on pushes of 22 and 27 Ns.
 """
 
 from __future__ import annotations
 
 from dataclasses import astuple, dataclass
+from enum import IntEnum
 from math import cos, exp, sin
 
 import numpy as np
@@ -18,40 +19,92 @@ from numba import njit
 
 from ...assets.names import ACTUATED_INDEX, LEG_JOINTS
 from ...core import Array, IntArray, Servos
-from .reference_trajectory import ANKLES, DCM, JOINTS, LANDING, PELVIS, TORQUE, YAW, ReferenceTrajectory
-from .reference_trajectory import WEIGHT as WEIGHT_LEFT
+from ...core.bodies import StateColumn
+from .reference_trajectory import PlanColumn, ReferenceTrajectory
+
+HINGES = 25
+"""Number of planned hinges of a dancer."""
+
+SUPPORTED = 5
+"""Number of root joints at which balance support acts."""
+
+MAX_FOOT_SHIFT_M = 0.15
+"""Largest shift of a foothold [m] (assumed)."""
+
+MAX_INWARD_SHIFT_M = 0.06
+"""Largest shift of a foothold towards the other foot, which it must not meet [m] (assumed)."""
+
+MAX_PREDICTION_S = 0.4
+"""Longest time over which the error at landing is predicted, since it grows exponentially [s] (assumed)."""
+
+MIN_STANCE_SHARE = 0.03
+"""A foot with a smaller share of the weight does not balance (assumed)."""
 
 _LEGS = np.array([[ACTUATED_INDEX[f"{joint}_{side}"] for joint in LEG_JOINTS] for side in "LR"])
-HIP_Z, HIP_X, HIP_Y, _, ANKLE_Y, ANKLE_X = range(6)
-HINGES = 25
-(
-    PRESSURE_ALONG, PRESSURE_ACROSS, PITCH, PITCH_RATE, ROLL, STEP_ALONG, STEP_ACROSS, DRIFT, YAW_GAIN, DECAY, AHEAD,
-    EFFORT,
-) = range(12)  # fmt: skip
-COM, VELOCITY, ROOT, RATE, LEFT, RIGHT = 0, 3, 6, 12, 18, 21
-"""Where the parts of `types.DancerStates.rows` begin."""
-STIFFNESS, LEAD, ROOT_LEAD, WEIGHT, LEG, OMEGA = 0, 25, 50, 55, 56, 57
-"""Where the parts of a dancer's actuators begin: stiffness, leads of hinges and tether, body weight, leg length; behind
-them the pendulum's rate."""
+
+
+class LegJoint(IntEnum):
+    """Columns of `_LEGS`, in the order of `LEG_JOINTS`."""
+
+    HIP_Z = 0
+    HIP_X = 1
+    HIP_Y = 2
+    KNEE = 3
+    ANKLE_Y = 4
+    ANKLE_X = 5
+
+
+class GainColumn(IntEnum):
+    """Places of the fields of `BalanceGains` in an array."""
+
+    PRESSURE_ALONG = 0
+    PRESSURE_ACROSS = 1
+    PITCH = 2
+    PITCH_RATE = 3
+    ROLL = 4
+    STEP_ALONG = 5
+    STEP_ACROSS = 6
+    DRIFT = 7
+    YAW = 8
+    DECAY = 9
+    AHEAD = 10
+    EFFORT = 11
+
+
+class ActuatorColumn(IntEnum):
+    """First column of each part of a dancer's row of actuator data, see `Servos`."""
+
+    STIFFNESS = 0
+    """Of the 25 hinge servos [Nm/rad]."""
+    LEAD = 25
+    """Their damping over stiffness [s]."""
+    ROOT_LEAD = 50
+    """The same for the five actuators of balance support [s]."""
+    WEIGHT = 55
+    """Body weight [N]."""
+    LEG = 56
+    """Length of a leg [m]."""
+    OMEGA = 57
+    """Rate of the inverted pendulum [1/s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class BalanceGains:
-    """Dimensionless but where noted.
+    """Gains of the balance controller, dimensionless unless a unit is given.
 
     Attributes:
-        pressure_along: pressure point per DCM error, fore and aft.
+        pressure_along: shift of the pressure point per error of the divergent component, fore and aft.
         pressure_across: the same sideways.
         pitch: hip angle per pitch.
         pitch_rate: hip angle per pitch rate [s].
-        roll: hip angle per roll; below nothing, so that a pushed trunk swings out and its momentum spares the feet.
-        step_along: foothold per DCM error at landing, fore and aft.
+        roll: hip angle per roll. It is negative: a pushed trunk swings out, and its momentum relieves the feet.
+        step_along: shift of the foothold per predicted error at landing, fore and aft.
         step_across: the same sideways.
-        drift: how much of the standing foot's drift the next foothold takes back.
+        drift: share of the standing foot's displacement that the next foothold corrects.
         yaw: hip angle per yaw error.
-        decay: what remains of a foothold's correction after a sixtieth of a second of standing.
-        ahead: how far targets run ahead of the plan, against the delay of held targets, as a share of a tick.
-        effort: share of the plan's torques that is fed forward.
+        decay: what remains of a foothold's shift after a sixtieth of a second of standing.
+        ahead: time by which targets lead the plan, against the delay of held targets, in control steps.
+        effort: share of the planned torques that is fed forward.
     """
 
     pressure_along: float = 3.9
@@ -69,163 +122,212 @@ class BalanceGains:
 
 
 @njit(cache=True)
-def _turned(yaw: float, x: float, y: float) -> tuple[float, float]:
-    """A horizontal vector seen from a heading: forward, left."""
-    c, s = cos(yaw), sin(yaw)
+def _heading_frame(yaw: float, x: float, y: float) -> tuple[float, float]:
+    """Forward and left component of a horizontal vector, for a heading."""
+    c = cos(yaw)
+    s = sin(yaw)
     return c * x + s * y, c * y - s * x
 
 
 @njit(cache=True)
-def _limited(value: float, low: float, high: float) -> float:
+def _clip(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)
 
 
 @njit(cache=True)
-def _follow_plan(d: int, i: int, a: int, b: int, rate: float, plan: Array, servo: Array, gain: Array, u: Array) -> None:
-    """Targets that servos with damping need: the plan's row plus its rate times their lead, and what its torques take.
-
-    Its rate is a difference of neighbouring rows; targets run ahead of the plan, since they are held for a tick.
-    """
-    per, ahead, effort = rate / max(b - a, 1), gain[AHEAD] / rate, gain[EFFORT]
-    for k in range(HINGES):
-        rise = (servo[d, LEAD + k] + ahead) * per * (plan[d, b, JOINTS + k] - plan[d, a, JOINTS + k])
-        torque = plan[d, i, TORQUE + k] + ahead * per * (plan[d, b, TORQUE + k] - plan[d, a, TORQUE + k])
-        u[d, k] = (plan[d, i, JOINTS + k] + rise) + effort * torque / servo[d, STIFFNESS + k]
-    for k in range(3):  # the tether takes x, y and, behind z, yaw
-        column, lead = PELVIS + k if k < 2 else YAW, servo[d, ROOT_LEAD + k]
-        u[d, HINGES + k] = plan[d, i, column] + (lead + ahead) * per * (plan[d, b, column] - plan[d, a, column])
-
-
-@njit(cache=True)
-def _stand(
-    d: int,
-    side: int,
-    on: float,
-    push: tuple[float, float],
-    off: float,
-    felt: Array,
-    servo: Array,
-    gain: Array,
-    u: Array,
+def _write_feedforward(
+    d: int, i: int, a: int, b: int, rate: float, plan: Array, actuators: Array, gains: Array, targets: Array
 ) -> None:
-    """Standing leg: the ankle moves the pressure point, the hip rights the trunk."""
-    hz, hx, hy = _LEGS[side, HIP_Z], _LEGS[side, HIP_X], _LEGS[side, HIP_Y]
-    ay, ax, load = _LEGS[side, ANKLE_Y], _LEGS[side, ANKLE_X], servo[d, WEIGHT]
-    u[d, ay] += on * load * push[0] / servo[d, STIFFNESS + ay]
-    u[d, ax] -= on * load * push[1] / servo[d, STIFFNESS + ax]
-    u[d, hy] += on * (gain[PITCH] * felt[d, ROOT + 4] + gain[PITCH_RATE] * felt[d, RATE + 4])
-    u[d, hx] += on * gain[ROLL] * felt[d, ROOT + 5]
-    u[d, hz] += on * gain[YAW_GAIN] * off * 0.5
+    """Write targets that make damped servos follow the plan: its row, its rate times their lead, and its torques.
+
+    The rate is the difference of the rows ``a`` and ``b`` around row ``i``. Targets lead the plan, because they are
+    held for a control step.
+    """
+    per = rate / max(b - a, 1)
+    ahead = gains[GainColumn.AHEAD] / rate
+    effort = gains[GainColumn.EFFORT]
+
+    for k in range(HINGES):
+        joint = PlanColumn.JOINTS + k
+        torque_column = PlanColumn.TORQUE + k
+        lead = actuators[d, ActuatorColumn.LEAD + k]
+        rise = (lead + ahead) * per * (plan[d, b, joint] - plan[d, a, joint])
+        torque = plan[d, i, torque_column] + ahead * per * (plan[d, b, torque_column] - plan[d, a, torque_column])
+        stiffness = actuators[d, ActuatorColumn.STIFFNESS + k]
+        targets[d, k] = (plan[d, i, joint] + rise) + effort * torque / stiffness
+
+    # Balance support follows the plan in x, y and yaw; its pitch and roll targets stay 0.
+    for k in range(3):
+        column = PlanColumn.PELVIS + k if k < 2 else PlanColumn.YAW + 0
+        lead = actuators[d, ActuatorColumn.ROOT_LEAD + k]
+        rise = (lead + ahead) * per * (plan[d, b, column] - plan[d, a, column])
+        targets[d, HINGES + k] = plan[d, i, column] + rise
 
 
 @njit(cache=True)
-def _foothold(
-    d: int, side: int, landing: float, omega: float, error: tuple[float, float], drift: tuple[float, float],
-    off: float, gain: Array, shift: Array,
+def _balance_stance(
+    d: int, side: int, share: float, push: tuple[float, float], yaw_error: float, states: Array, actuators: Array,
+    gains: Array, targets: Array,
 ) -> None:  # fmt: skip
-    """Where a swinging foot should land other than planned: forward, left [m] and yaw [rad], in place."""
-    grow, sign = exp(omega * min(landing, 0.4)), 1.0 if side == 0 else -1.0
-    shift[d, side, 0] = _limited(gain[STEP_ALONG] * error[0] * grow - gain[DRIFT] * drift[0], -0.15, 0.15)
-    across = _limited(gain[STEP_ACROSS] * error[1] * grow - gain[DRIFT] * drift[1], -0.15, 0.15)
-    shift[d, side, 1] = -sign * 0.06 if sign * across < -0.06 else across
-    shift[d, side, 2] = -gain[YAW_GAIN] * off
+    """Correct a standing leg: the ankle moves the pressure point by ``push`` [m], the hip rights the trunk."""
+    hip_z = _LEGS[side, LegJoint.HIP_Z]
+    hip_x = _LEGS[side, LegJoint.HIP_X]
+    hip_y = _LEGS[side, LegJoint.HIP_Y]
+    ankle_y = _LEGS[side, LegJoint.ANKLE_Y]
+    ankle_x = _LEGS[side, LegJoint.ANKLE_X]
+    load = actuators[d, ActuatorColumn.WEIGHT]
+    pitch = states[d, StateColumn.ROOT + 4]
+    pitch_rate = states[d, StateColumn.ROOT_VELOCITY + 4]
+    roll = states[d, StateColumn.ROOT + 5]
+
+    # Weight times lever is the ankle's torque, which the servo's stiffness turns into an angle.
+    targets[d, ankle_y] += share * load * push[0] / actuators[d, ActuatorColumn.STIFFNESS + ankle_y]
+    targets[d, ankle_x] -= share * load * push[1] / actuators[d, ActuatorColumn.STIFFNESS + ankle_x]
+    targets[d, hip_y] += share * (gains[GainColumn.PITCH] * pitch + gains[GainColumn.PITCH_RATE] * pitch_rate)
+    targets[d, hip_x] += share * gains[GainColumn.ROLL] * roll
+    # The factor 0.5 was part of the model when the gains were found.
+    targets[d, hip_z] += share * gains[GainColumn.YAW] * yaw_error * 0.5
 
 
 @njit(cache=True)
-def _reach(d: int, side: int, shift: Array, length: float, u: Array) -> None:
-    """Move a leg's foot by a small shift, the sole staying flat."""
-    along, across = shift[d, side, 0] / length, shift[d, side, 1] / length
-    u[d, _LEGS[side, HIP_Y]] -= along
-    u[d, _LEGS[side, ANKLE_Y]] += along
-    u[d, _LEGS[side, HIP_X]] += across
-    u[d, _LEGS[side, ANKLE_X]] -= across
-    u[d, _LEGS[side, HIP_Z]] += shift[d, side, 2]
+def _shift_foothold(
+    d: int, side: int, landing: float, omega: float, error: tuple[float, float], drift: tuple[float, float],
+    yaw_error: float, gains: Array, foot_shift: Array,
+) -> None:  # fmt: skip
+    """Write how a swinging foot's landing place differs from the plan: forward, left [m] and yaw [rad]."""
+    growth = exp(omega * min(landing, MAX_PREDICTION_S))
+    sign = 1.0 if side == 0 else -1.0
+
+    along = gains[GainColumn.STEP_ALONG] * error[0] * growth - gains[GainColumn.DRIFT] * drift[0]
+    foot_shift[d, side, 0] = _clip(along, -MAX_FOOT_SHIFT_M, MAX_FOOT_SHIFT_M)
+
+    across = gains[GainColumn.STEP_ACROSS] * error[1] * growth - gains[GainColumn.DRIFT] * drift[1]
+    across = _clip(across, -MAX_FOOT_SHIFT_M, MAX_FOOT_SHIFT_M)
+    foot_shift[d, side, 1] = -sign * MAX_INWARD_SHIFT_M if sign * across < -MAX_INWARD_SHIFT_M else across
+
+    foot_shift[d, side, 2] = -gains[GainColumn.YAW] * yaw_error
 
 
 @njit(cache=True)
-def _errors(d: int, i: int, omega: float, plan: Array, felt: Array) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Forward and left: how far the divergent component is off the plan, and the standing feet [m]."""
-    w, yaw = plan[d, i, WEIGHT_LEFT], felt[d, ROOT + 3]
-    drift = _turned(
+def _apply_foot_shift(d: int, side: int, foot_shift: Array, length: float, targets: Array) -> None:
+    """Turn a leg so that its foot moves by a small shift while the sole stays flat."""
+    along = foot_shift[d, side, 0] / length
+    across = foot_shift[d, side, 1] / length
+
+    targets[d, _LEGS[side, LegJoint.HIP_Y]] -= along
+    targets[d, _LEGS[side, LegJoint.ANKLE_Y]] += along
+    targets[d, _LEGS[side, LegJoint.HIP_X]] += across
+    targets[d, _LEGS[side, LegJoint.ANKLE_X]] -= across
+    targets[d, _LEGS[side, LegJoint.HIP_Z]] += foot_shift[d, side, 2]
+
+
+@njit(cache=True)
+def _errors(
+    d: int, i: int, omega: float, plan: Array, states: Array
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Errors against the plan, forward and left: of the divergent component, and of the standing feet [m]."""
+    w = plan[d, i, PlanColumn.WEIGHT]
+    yaw = states[d, StateColumn.ROOT + 3]
+    left = StateColumn.ANKLES + 0
+    right = StateColumn.ANKLES + 3
+    planned = PlanColumn.ANKLES + 0
+
+    drift = _heading_frame(
         yaw,
-        w * (felt[d, LEFT] - plan[d, i, ANKLES]) + (1 - w) * (felt[d, RIGHT] - plan[d, i, ANKLES + 3]),
-        w * (felt[d, LEFT + 1] - plan[d, i, ANKLES + 1]) + (1 - w) * (felt[d, RIGHT + 1] - plan[d, i, ANKLES + 4]),
+        w * (states[d, left] - plan[d, i, planned]) + (1 - w) * (states[d, right] - plan[d, i, planned + 3]),
+        w * (states[d, left + 1] - plan[d, i, planned + 1])
+        + (1 - w) * (states[d, right + 1] - plan[d, i, planned + 4]),
     )
-    error = _turned(
+    error = _heading_frame(
         yaw,
-        felt[d, COM] + felt[d, VELOCITY] / omega - plan[d, i, DCM],
-        felt[d, COM + 1] + felt[d, VELOCITY + 1] / omega - plan[d, i, DCM + 1],
+        states[d, StateColumn.COM] + states[d, StateColumn.COM_VELOCITY] / omega - plan[d, i, PlanColumn.DCM],
+        states[d, StateColumn.COM + 1]
+        + states[d, StateColumn.COM_VELOCITY + 1] / omega
+        - plan[d, i, PlanColumn.DCM + 1],
     )
     return error, drift
 
 
 @njit(cache=True)
-def _correct(
-    d: int, tick: int, until: int, rate: float, plan: Array, felt: Array, servo: Array, gain: Array, shift: Array,
-    u: Array,
+def _correct_dancer(
+    d: int, tick: int, planned_rows: int, rate: float, plan: Array, states: Array, actuators: Array, gains: Array,
+    foot_shift: Array, targets: Array,
 ) -> None:  # fmt: skip
-    """Targets of one dancer for one tick."""
-    last = until - 1
+    """Write the targets of one dancer; see `correct`."""
+    last = planned_rows - 1
     i = min(tick, last)
-    _follow_plan(d, i, min(max(tick - 1, 0), last), min(tick + 1, last), rate, plan, servo, gain, u)
-    omega, w, off = servo[d, OMEGA], plan[d, i, WEIGHT_LEFT], felt[d, ROOT + 3] - plan[d, i, YAW]
-    error, drift = _errors(d, i, omega, plan, felt)
+    before = min(max(tick - 1, 0), last)
+    after = min(tick + 1, last)
+    _write_feedforward(d, i, before, after, rate, plan, actuators, gains, targets)
+
+    omega = actuators[d, ActuatorColumn.OMEGA]
+    w = plan[d, i, PlanColumn.WEIGHT]
+    yaw_error = states[d, StateColumn.ROOT + 3] - plan[d, i, PlanColumn.YAW]
+    error, drift = _errors(d, i, omega, plan, states)
+
+    # The pressure point stays under the sole: between heel and toes, and wider across while both feet stand.
     wide = 0.08 if 0.15 < w < 0.85 else 0.03
     push = (
-        _limited(gain[PRESSURE_ALONG] * error[0], -0.09, 0.12),
-        _limited(gain[PRESSURE_ACROSS] * error[1], -wide, wide),
+        _clip(gains[GainColumn.PRESSURE_ALONG] * error[0], -0.09, 0.12),
+        _clip(gains[GainColumn.PRESSURE_ACROSS] * error[1], -wide, wide),
     )
+
     for side in range(2):
-        on, landing = w if side == 0 else 1.0 - w, plan[d, i, LANDING + side]
-        if on >= 0.03:
-            _stand(d, side, on, push, off, felt, servo, gain, u)
+        share = w if side == 0 else 1.0 - w
+        landing = plan[d, i, PlanColumn.LANDING + side]
+        if share >= MIN_STANCE_SHARE:
+            _balance_stance(d, side, share, push, yaw_error, states, actuators, gains, targets)
+
         if landing > 0:
-            _foothold(d, side, landing, omega, error, drift, off, gain, shift)
-            u[d, _LEGS[side, ANKLE_Y]] -= felt[d, ROOT + 4]
-            u[d, _LEGS[side, ANKLE_X]] -= felt[d, ROOT + 5]
+            _shift_foothold(d, side, landing, omega, error, drift, yaw_error, gains, foot_shift)
+            # The sole lands flat, whatever the pelvis' pitch and roll.
+            targets[d, _LEGS[side, LegJoint.ANKLE_Y]] -= states[d, StateColumn.ROOT + 4]
+            targets[d, _LEGS[side, LegJoint.ANKLE_X]] -= states[d, StateColumn.ROOT + 5]
         else:
             for k in range(3):
-                shift[d, side, k] *= gain[DECAY] ** (60.0 / rate)
-        _reach(d, side, shift, servo[d, LEG], u)
+                foot_shift[d, side, k] *= gains[GainColumn.DECAY] ** (60.0 / rate)
+
+        _apply_foot_shift(d, side, foot_shift, actuators[d, ActuatorColumn.LEG], targets)
 
 
 @njit(cache=True)
 def correct(
-    tick: int, rate: float, until: IntArray, plan: Array, felt: Array, servo: Array, gain: Array, shift: Array,
-    targets: Array,
+    tick: int, rate: float, planned_rows: IntArray, plan: Array, states: Array, actuators: Array, gains: Array,
+    foot_shift: Array, targets: Array,
 ) -> None:  # fmt: skip
-    """Write everybody's targets for one control tick.
+    """Write the targets of all dancers for one control step.
 
-    Whole arrays and indices are handed on, not views of rows: making these takes longer than what is done with them.
+    Inner functions take whole arrays and indices, not views of rows: making a view takes longer than what is done with
+    it.
 
     Args:
-        tick: which one.
-        rate: of the ticks [Hz].
-        until: (D,) how many rows are planned.
-        plan: (D, T, 67) rows of `ReferenceTrajectory`.
-        felt: (D, 36) rows of `types.DancerStates`.
-        servo: (D, 58) the actuators, see `STIFFNESS`.
-        gain: (12,) `BalanceGains`.
-        shift: (D, 2, 3) how the feet's places differ from the plan, in and out: forward, left [m], yaw [rad].
-        targets: (D, 30) output: hinges, then the tether.
+        tick: number of the step, the row of the plan.
+        rate: control rate [Hz].
+        planned_rows: (D,) number of planned rows.
+        plan: (D, T, `PLAN_WIDTH`) rows of `ReferenceTrajectory`.
+        states: (D, `DANCER_STATE_WIDTH`) rows of `DancerStates`.
+        actuators: (D, 58) data of the actuators, see `ActuatorColumn`.
+        gains: (12,) `BalanceGains`, see `GainColumn`.
+        foot_shift: (D, 2, 3) how the places of the feet differ from the plan, in and out: forward, left [m], yaw [rad].
+        targets: (D, 30) output: hinges, then balance support.
     """
-    for d in range(len(until)):
-        _correct(d, tick, until[d], rate, plan, felt, servo, gain, shift, targets)
+    for d in range(len(planned_rows)):
+        _correct_dancer(d, tick, planned_rows[d], rate, plan, states, actuators, gains, foot_shift, targets)
 
 
 class BalanceController:
-    """Turns the reference and the felt state into actuator targets, tick by tick.
+    """Turns the reference trajectory and the states of all dancers into actuator targets, step by step.
 
     Args:
-        reference: all dancers' motion.
+        reference: trajectories of all dancers.
         omega: (D,) pendulum rates [1/s].
         rate_hz: control rate.
         servos: the dancers' actuators.
-        gains: of the controller.
+        gains: gains of the controller.
 
     Attributes:
         rate_hz: as given.
-        targets: (D, 30) angles of the planned hinges [rad], then targets of the tether; see `update`.
+        targets: (D, 30) angles of the planned hinges [rad], then targets of balance support; see `update`.
     """
 
     def __init__(
@@ -236,22 +338,22 @@ class BalanceController:
         servos: Servos,
         gains: BalanceGains | None = None,
     ) -> None:
-        s, dancers = servos, len(omega)
-        servo = np.column_stack([s.stiffness, s.lead, s.root_lead, s.weight, s.leg, omega])
-        gain = np.array(astuple(gains or BalanceGains()))
+        dancers = len(omega)
         self.rate_hz = float(rate_hz)
         self._reference = reference
-        self._actuators = servo
-        self._gains = gain
+        self._actuators = np.column_stack(
+            [servos.stiffness, servos.lead, servos.root_lead, servos.weight, servos.leg, omega]
+        )
+        self._gains = np.array(astuple(gains or BalanceGains()))
         self._foot_shift = np.zeros((dancers, 2, 3))
-        self.targets = np.zeros((dancers, HINGES + 5))
+        self.targets = np.zeros((dancers, HINGES + SUPPORTED))
 
     def update(self, tick: int, states: Array) -> None:
         """Write the `targets` of one control step.
 
         Args:
             tick: number of the step, the row of the plan.
-            states: (D, 36) rows of `DancerStates`.
+            states: (D, `DANCER_STATE_WIDTH`) rows of `DancerStates`.
         """
         correct(
             tick,

@@ -1,36 +1,55 @@
-"""The dancers' planned motion on the grid of control ticks: written by the planners, read by the balance controller."""
+"""The reference trajectory: planned motion, a row for each control step.
+
+The planners write it, and the balance controller reads it.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 
 from ...core import Array, IntArray
 
-JOINTS, PELVIS, YAW, DCM, WEIGHT, ANKLES, FOOT_YAW, LANDING, TORQUE, WIDTH = 0, 25, 28, 29, 31, 32, 38, 40, 42, 67
-"""Where the parts of a row of the plan begin, and how long it is."""
+
+class PlanColumn(IntEnum):
+    """First column of each part of a row of `ReferenceTrajectory.rows`; its attributes document the parts."""
+
+    JOINTS = 0
+    PELVIS = 25
+    YAW = 28
+    DCM = 29
+    WEIGHT = 31
+    ANKLES = 32
+    FOOT_YAW = 38
+    LANDING = 40
+    TORQUE = 42
+
+
+PLAN_WIDTH = 67
+"""Number of columns of `ReferenceTrajectory.rows`."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReferenceTrajectory:
-    """Motion of one dancer (T rows) or of all (D, T rows).
+    """Planned motion of one dancer (T rows), or of all (D, T rows).
 
-    Whoever reads one tick of everything reads ``rows``, where it lies together; all else are views of these.
+    ``rows`` holds all parts, so that one row is read at once; the other arrays are views of it.
 
     Attributes:
-        rows: (T, 67) the plan, a tick per row.
+        rows: (T, `PLAN_WIDTH`) the plan, see `PlanColumn`.
         joints: (T, 25) hinge angles [rad].
-        pelvis: (T, 3) [m].
-        yaw: (T,) heading [rad].
-        dcm: (T, 2) divergent component of motion, com + velocity / omega [m].
+        pelvis: (T, 3) place of the pelvis [m].
+        yaw: (T,) its heading [rad].
+        dcm: (T, 2) divergent component of motion: centre of mass + velocity / omega [m].
         weight: (T,) share of the weight on the left foot.
         ankles: (T, 2, 3) left and right [m].
-        foot_yaw: (T, 2) [rad].
+        foot_yaw: (T, 2) headings of the feet [rad].
         landing: (T, 2) time until a swinging foot lands [s]; 0 for a standing one.
-        torque: (T, 25) hinge torques that the motion takes [Nm].
-        planned_rows: (1,) how many rows are planned; whoever reads on finds the dancer at rest in the last of them. For all
-            dancers (D,).
+        torque: (T, 25) hinge torques that the motion needs [Nm].
+        planned_rows: (1,) number of rows planned so far; later rows stand for the last planned one, in which the dancer
+            rests. For all dancers (D,).
     """
 
     rows: Array
@@ -47,26 +66,29 @@ class ReferenceTrajectory:
 
     @classmethod
     def empty(cls, dancers: int, ticks: int) -> ReferenceTrajectory:
-        """All zero, with a leading axis for the dancers; its memory is touched here, not while people dance."""
-        return cls._over(np.full((dancers, ticks, WIDTH), 0.0), np.zeros(dancers, dtype=np.int64))
+        """Trajectories of all dancers, without a planned row."""
+        # Filling, unlike np.zeros, makes the system provide the memory now and not while the dancers dance.
+        rows = np.full((dancers, ticks, PLAN_WIDTH), 0.0)
+        return cls._over(rows, np.zeros(dancers, dtype=np.int64))
 
     @classmethod
     def _over(cls, rows: Array, planned_rows: IntArray) -> ReferenceTrajectory:
+        """The trajectory whose parts are views of some rows."""
         ticks = rows.shape[:-1]
         return cls(
             rows=rows,
-            joints=rows[..., JOINTS:PELVIS],
-            pelvis=rows[..., PELVIS:YAW],
-            yaw=rows[..., YAW],
-            dcm=rows[..., DCM:WEIGHT],
-            weight=rows[..., WEIGHT],
-            ankles=rows[..., ANKLES:FOOT_YAW].reshape(*ticks, 2, 3),
-            foot_yaw=rows[..., FOOT_YAW:LANDING],
-            landing=rows[..., LANDING:TORQUE],
-            torque=rows[..., TORQUE:],
+            joints=rows[..., PlanColumn.JOINTS : PlanColumn.PELVIS],
+            pelvis=rows[..., PlanColumn.PELVIS : PlanColumn.YAW],
+            yaw=rows[..., PlanColumn.YAW],
+            dcm=rows[..., PlanColumn.DCM : PlanColumn.WEIGHT],
+            weight=rows[..., PlanColumn.WEIGHT],
+            ankles=rows[..., PlanColumn.ANKLES : PlanColumn.FOOT_YAW].reshape(*ticks, 2, 3),
+            foot_yaw=rows[..., PlanColumn.FOOT_YAW : PlanColumn.LANDING],
+            landing=rows[..., PlanColumn.LANDING : PlanColumn.TORQUE],
+            torque=rows[..., PlanColumn.TORQUE :],
             planned_rows=planned_rows,
         )
 
     def for_dancer(self, dancer: int) -> ReferenceTrajectory:
-        """One dancer's rows, as views: writing to them writes to all."""
+        """The trajectory of one dancer, as views of this one."""
         return ReferenceTrajectory._over(self.rows[dancer], self.planned_rows[dancer : dancer + 1])

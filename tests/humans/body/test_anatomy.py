@@ -1,4 +1,4 @@
-"""Builds: masses add up, and the tables say the same as the compiled model."""
+"""Tests of the anatomy tables, alone and against the compiled MuJoCo model."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_segments_have_the_models_mass_and_centre(build):
 
 
 @pytest.mark.parametrize("build", BUILDS, ids=str)
-def test_the_head_is_at_the_stature(build):
+def test_the_top_of_the_head_is_at_the_stature(build):
     body = scaled_anatomy(build)
     model = dancer_spec(body, 0, 1, BodyConfig()).compile()
     data = mujoco.MjData(model)
@@ -47,7 +47,7 @@ def test_the_head_is_at_the_stature(build):
     assert top - floor == pytest.approx(build.stature_m, rel=0.03)
 
 
-def test_every_joint_of_the_kinect_has_its_place():
+def test_every_kinect_joint_has_a_place():
     body = scaled_anatomy(Build())
     assert set(body.joints) == set(JOINTS)
     left, right = (np.array(body.joints[f"Ankle{side}"][1]) for side in ("Left", "Right"))

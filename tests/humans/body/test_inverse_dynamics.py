@@ -1,4 +1,4 @@
-"""Inverse dynamics against MuJoCo's own, for the same motion and the same push of the floor."""
+"""Tests of inverse dynamics against statics and against MuJoCo, for the same motion and forces of the floor."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def planned(body):
     return at_rest(reference)
 
 
-def test_hanging_and_standing_torques_are_those_of_statics():
+def test_torques_of_a_resting_body_are_those_of_statics():
     body = scaled_anatomy(Build())
     chains = body.chains()
     r = planned(body)
@@ -49,7 +49,8 @@ def test_torques_of_a_walk_are_mujocos(build):
     body = scaled_anatomy(build)
     r = planned(body)
     model = dancer_spec(body, 0, 1, BodyConfig()).compile()
-    model.dof_armature[:], model.dof_damping[:] = 0.0, 0.0
+    model.dof_armature[:] = 0.0
+    model.dof_damping[:] = 0.0
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     data = mujoco.MjData(model)
     names = ("root_x", "root_y", "root_z", "root_yaw", *ACTUATED)

@@ -1,4 +1,4 @@
-"""Kinematics against MuJoCo, a second route to the same numbers."""
+"""Tests of kinematics against MuJoCo."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ HIPS = [JOINT_INDEX["HipLeft"], JOINT_INDEX["HipRight"]]
 
 
 class Model:
-    """A dancer in MuJoCo, put into postures."""
+    """A MuJoCo model of a dancer that takes given postures."""
 
     def __init__(self, build: Build) -> None:
         self.body = scaled_anatomy(build)
@@ -59,7 +59,7 @@ def test_joints_lie_where_mujoco_puts_them(build):
 
 
 @pytest.mark.parametrize("build", BUILDS, ids=str)
-def test_centre_of_mass_is_mujocos(build):
+def test_the_centre_of_mass_is_that_of_mujoco(build):
     model = Model(build)
     chains = model.body.chains()
     for q, pelvis, yaw in model.postures(20, 2):
@@ -82,7 +82,7 @@ def reachable(body, seed: int, count: int = 200):
 
 
 @pytest.mark.parametrize("build", BUILDS, ids=str)
-def test_legs_put_ankles_where_asked_and_soles_flat(build):
+def test_leg_angles_reach_the_ankles_with_flat_soles(build):
     model = Model(build)
     chains = model.body.chains()
     pelvis, yaw, ankles, foot_yaw = reachable(model.body, 3)
@@ -106,7 +106,7 @@ def test_knees_bend_forward_only():
     assert (q[:, LEG_COLUMNS[:, LEG_JOINTS.index("knee")]] > 0).all()
 
 
-def test_a_target_out_of_reach_gets_the_straight_leg_that_points_at_it():
+def test_a_place_out_of_reach_gives_the_stretched_leg_that_points_at_it():
     body = scaled_anatomy(Build())
     chains = body.chains()
     pelvis, yaw, ankles, foot_yaw = reachable(body, 5, 50)
@@ -122,7 +122,7 @@ def test_a_target_out_of_reach_gets_the_straight_leg_that_points_at_it():
         assert leg / length[:, None] == pytest.approx(wish / np.linalg.norm(wish, axis=1, keepdims=True), abs=1e-9)
 
 
-def test_other_columns_are_left_alone():
+def test_leg_angles_leave_other_columns_unchanged():
     body = scaled_anatomy(Build())
     q = np.full((1, 25), 0.123)
     pelvis, yaw, ankles, foot_yaw = reachable(body, 6, 1)

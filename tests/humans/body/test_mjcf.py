@@ -1,4 +1,4 @@
-"""The body's model: strength that scales with the build, contacts with the right others."""
+"""Tests of the MuJoCo model of a dancer: actuators, balance support and contacts."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ def test_gains_and_limits_scale_with_the_build(build):
         assert a.gainprm[0] == GAINS[name.removesuffix("_L").removesuffix("_R")][0]
 
 
-def test_servos_are_about_critically_damped():
+def test_servos_are_damped():
     one = model()
     damping = np.array([-one.actuator(name).biasprm[2] for name in ACTUATED])
     assert (damping > 0).all()
 
 
-def test_the_tether_pulls_at_all_but_the_vertical_and_never_harder_than_allowed():
+def test_balance_support_acts_on_all_but_the_vertical_within_its_limits():
     one = model(config=BodyConfig(support_force_n=33.0, support_torque_nm=11.0))
     for name in TETHERED:
         limit = 33.0 if name in ("root_x", "root_y") else 11.0
@@ -43,26 +43,27 @@ def test_the_tether_pulls_at_all_but_the_vertical_and_never_harder_than_allowed(
     assert model(config=BodyConfig(balance_support="none")).nu == len(ACTUATED)
 
 
-def meet(a, b) -> bool:
+def collide(a, b) -> bool:
+    """Whether MuJoCo lets two geoms make contact."""
     return bool(a.contype[0] & b.conaffinity[0] or b.contype[0] & a.conaffinity[0])
 
 
-def test_contacts_are_with_the_right_others():
+def test_which_parts_make_contact():
     first, second = model(index=0, group=3), model(index=1, group=3)
     hands = [first.geom(f"hand_{side}") for side in "LR"]
-    assert meet(*hands)
-    assert not meet(hands[0], first.geom("chest"))
-    assert not meet(first.geom("thigh_L"), first.geom("thigh_R"))
-    assert meet(first.geom("chest"), second.geom("hand_L"))
+    assert collide(*hands)
+    assert not collide(hands[0], first.geom("chest"))
+    assert not collide(first.geom("thigh_L"), first.geom("thigh_R"))
+    assert collide(first.geom("chest"), second.geom("hand_L"))
     for soles in (first.geom("heel_out_L"), second.geom("toe_in_R")):
         assert int(soles.conaffinity[0]) == FLOOR_BIT
         assert int(soles.contype[0]) == 0
-        assert not meet(soles, first.geom("chest"))
+        assert not collide(soles, first.geom("chest"))
     assert int(first.geom("chest").conaffinity[0]) & ROBOT_BIT
     assert int(first.geom("chest").conaffinity[0]) & FLOOR_BIT == 0
 
 
-def test_every_dancer_of_the_largest_group_has_a_bit_of_its_own():
+def test_every_dancer_of_the_largest_group_has_its_own_contact_bit():
     bits = [dancer_bit(index) for index in range(8)] + [FLOOR_BIT, HAND_BIT, ROBOT_BIT]
     assert len(set(bits)) == 11
     assert all(bit & (bit - 1) == 0 for bit in bits)

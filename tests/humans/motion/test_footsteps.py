@@ -1,4 +1,4 @@
-"""Footsteps: one foot at a time, alternating, ending side by side, the weight over what stands."""
+"""Tests of footsteps, weight shift and zero-moment point."""
 
 from __future__ import annotations
 
@@ -9,9 +9,16 @@ import pytest
 
 from sjasim.humans.body.anatomy import Build
 from sjasim.humans.body.proportions import scaled_anatomy
-from sjasim.humans.motion.footsteps import SHIFT_S, Feet, easing, pelvis_height, turn, walk
+from sjasim.humans.motion.footsteps import (
+    SHIFT_S,
+    FootTrajectories,
+    pelvis_height,
+    plan_turn,
+    plan_walk,
+    smoothing_kernel,
+)
 from sjasim.humans.motion.reference_trajectory import ReferenceTrajectory
-from sjasim.humans.motion.speed_profile import smooth, speed_profile
+from sjasim.humans.motion.speed_profile import minimum_jerk, speed_profile
 
 DT = 1 / 60
 BODY = scaled_anatomy(Build())
@@ -21,14 +28,17 @@ def feet(seconds: float = 14.0, heading: float = np.pi / 2):
     ticks = round(seconds / DT)
     reference = ReferenceTrajectory.empty(1, ticks).for_dancer(0)
     reference.planned_rows[:] = ticks
-    return Feet(np.zeros(2), heading, BODY.hip_m, BODY.ankle_m, np.arange(ticks) * DT, reference)
+    return FootTrajectories(np.zeros(2), heading, BODY.hip_m, BODY.ankle_m, np.arange(ticks) * DT, reference)
 
 
 def moves(durations, hold_s: float):
-    """Steps of moves one after another with the same hold between them, starting at 2 s."""
-    t, last, free, out = 2.0, 1, 0.0, []
+    """Walks one after another, with the same hold between them, starting at 2 s."""
+    t = 2.0
+    last = 1
+    free = 0.0
+    out = []
     for duration in durations:
-        plan = walk(speed_profile(0.5, duration), t, last, free)
+        plan = plan_walk(speed_profile(0.5, duration), t, last, free)
         out.append(plan)
         last, free = plan.steps[-1].side, plan.steps[-1].land_s
         t += duration + hold_s
@@ -46,17 +56,17 @@ def test_steps_alternate_and_never_overlap(duration, hold):
 
 
 @pytest.mark.parametrize("duration", [0.8, 2.0, 3.0])
-def test_both_last_steps_end_at_the_whole_way(duration):
+def test_both_last_steps_end_at_the_whole_distance(duration):
     profile = speed_profile(0.5, duration)
-    plan = walk(profile, 2.0, 1, 0.0)
+    plan = plan_walk(profile, 2.0, 1, 0.0)
     assert [step.along for step in plan.steps[-2:]] == pytest.approx([profile.distance_m] * 2)
-    ways = [step.along for step in plan.steps]
-    assert ways == sorted(ways)
+    places = [step.along for step in plan.steps]
+    assert places == sorted(places)
 
 
 def test_feet_end_beside_each_other():
     ground = feet()
-    for step in walk(speed_profile(0.5, 2.0), 2.0, 1, 0.0).steps:
+    for step in plan_walk(speed_profile(0.5, 2.0), 2.0, 1, 0.0).steps:
         ground.swing(step, np.array([0.0, step.along]), np.pi / 2)
     gap = ground.ankles[-1, 0] - ground.ankles[-1, 1]
     assert gap == pytest.approx([-2 * BODY.hip_m, 0.0, 0.0], abs=1e-12)
@@ -64,7 +74,7 @@ def test_feet_end_beside_each_other():
 
 def test_a_turn_brings_both_feet_to_the_new_heading():
     ground = feet(heading=0.0)
-    steps = turn(2.0, 1.8, 0.0)
+    steps = plan_turn(2.0, 1.8, 0.0)
     assert [step.side for step in steps] == [0, 1, 0, 1]
     for step in steps:
         ground.swing(step, np.zeros(2), np.pi / 2 * step.along)
@@ -74,25 +84,27 @@ def test_a_turn_brings_both_feet_to_the_new_heading():
 
 
 def test_a_turn_waits_for_the_step_before_it():
-    steps = turn(2.0, 1.8, 2.12)
+    steps = plan_turn(2.0, 1.8, 2.12)
     assert steps[0].lift_s > 2.12
     assert steps[-1].land_s < 3.8
 
 
 @pytest.mark.parametrize("hold", [0.15, 1.0])
-def test_weight_is_on_the_foot_that_stands(hold):
+def test_weight_is_on_the_standing_foot(hold):
     ground = feet()
     plans = moves([0.8, 2.0, 1.2], hold)
     for plan in plans:
         for step in plan.steps:
             ground.swing(step, np.array([0.0, step.along]), np.pi / 2)
-    span = slice(0, len(ground.landing))
-    weight = ground.weight(span)
+
+    weight = ground.weight(slice(0, len(ground.landing)))
     assert weight.min() >= 0.0
     assert weight.max() <= 1.0
+
     times = np.arange(len(weight)) * DT
     for step in (step for plan in plans for step in plan.steps):
         inside = (times > step.lift_s + SHIFT_S / 2 + DT) & (times < step.land_s - SHIFT_S / 2 - DT)
+        assert inside.any()
         assert weight[inside] == pytest.approx(float(step.side), abs=1e-9)
 
 
@@ -104,10 +116,11 @@ def test_the_zero_moment_point_stays_inside_the_feet():
     span = slice(0, len(ground.landing))
     weight = ground.weight(span)
     ahead = 0.026 * BODY.build.stature_m
-    zmp = ground.zmp(span, weight, ahead)
+    zmp = ground.zero_moment_point(span, weight, ahead)
     soles = ground.ankles[:, :, :2] + [0.0, ahead]
     lines = weight[:, None] * soles[:, 0] + (1 - weight[:, None]) * soles[:, 1]
     assert zmp == pytest.approx(lines)
+
     alone = (weight < 1e-6) | (weight > 1 - 1e-6)
     under = np.where(weight[:, None] > 0.5, ground.ankles[:, 0, :2], ground.ankles[:, 1, :2])
     along = (zmp - under)[alone, 1]
@@ -118,7 +131,7 @@ def test_the_zero_moment_point_stays_inside_the_feet():
 
 def test_swinging_feet_lift_and_land_softly():
     ground = feet()
-    step = walk(speed_profile(0.5, 2.0), 2.0, 1, 0.0).steps[0]
+    step = plan_walk(speed_profile(0.5, 2.0), 2.0, 1, 0.0).steps[0]
     ground.swing(step, np.array([0.0, step.along]), np.pi / 2)
     height = ground.ankles[:, step.side, 2] - BODY.ankle_m
     assert height.max() == pytest.approx(0.05, abs=0.003)
@@ -126,14 +139,16 @@ def test_swinging_feet_lift_and_land_softly():
     assert (height >= 0).all()
 
 
-def test_the_pelvis_sinks_where_a_leg_would_not_reach():
+def test_the_pelvis_goes_down_where_a_leg_would_not_reach():
     ticks = 120
     pelvis = np.zeros((ticks, 3))
     ankles = np.zeros((ticks, 2, 3))
     ankles[:, :, 1] = [BODY.hip_m, -BODY.hip_m]
     ankles[:, :, 2] = BODY.ankle_m
-    ankles[:, 0, 0] = 0.4 * smooth(np.linspace(-1, 2, ticks))
-    height = pelvis_height(pelvis, np.zeros(ticks), ankles, BODY.chains().leg, BODY.standing_m, easing(0.12, DT))
+    ankles[:, 0, 0] = 0.4 * minimum_jerk(np.linspace(-1, 2, ticks))
+    height = pelvis_height(
+        pelvis, np.zeros(ticks), ankles, BODY.chains().leg, BODY.standing_m, smoothing_kernel(0.12, DT)
+    )
     assert height[0] == pytest.approx(BODY.standing_m)
     assert height[-1] < BODY.standing_m - 0.02
     assert np.abs(np.diff(height)).max() < 0.008

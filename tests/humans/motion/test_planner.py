@@ -1,4 +1,4 @@
-"""Plans: the pendulum is physics, the past stays, the feet carry what is planned."""
+"""Tests of the motion planner: pendulum, footsteps, postures, and rows before the present, which never change."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from sjasim.core.errors import ConfigError
 from sjasim.humans.body.anatomy import Build
 from sjasim.humans.body.kinematics import joint_positions
 from sjasim.humans.body.proportions import scaled_anatomy
-from sjasim.humans.motion.planner import PREVIEW_S, Planner, _pendulum
+from sjasim.humans.motion.pendulum import bounded_com
+from sjasim.humans.motion.planner import PREVIEW_S, Planner
 from sjasim.humans.motion.reference_trajectory import ReferenceTrajectory
 
 from ..dancing import HZ, NORTH, at_rest, builds, walk_cue
@@ -20,7 +21,7 @@ FIELDS = ("joints", "pelvis", "yaw", "dcm", "weight", "ankles", "foot_yaw", "lan
 
 
 class Plan:
-    """One dancer's plan and what it was made from."""
+    """A planner and the trajectory that it writes."""
 
     def __init__(self, body=None, seconds: float = 22.0) -> None:
         self.body = body or scaled_anatomy(Build())
@@ -29,7 +30,7 @@ class Plan:
 
     @property
     def reference(self) -> ReferenceTrajectory:
-        """The plan, at rest in every row that is not planned yet."""
+        """The trajectory, at rest in every row that is not planned."""
         return at_rest(self._reference)
 
     def copy(self) -> dict[str, np.ndarray]:
@@ -49,12 +50,12 @@ def phrase(start_s: float = 2.0, move_s: float = 2.0, hold_s: float = 0.8) -> li
 
 
 def test_the_pendulum_obeys_its_equation():
-    """Second differences of the centre of mass against omega^2 (x - p), the equation it was not made from."""
+    """Second differences of the centre of mass equal omega^2 (x - p), an equation that the solver does not use."""
     rate, omega = 2000.0, 3.2
     t = np.arange(0, 10, 1 / rate)
     inside = (t > 2) & (t < 8)
     zmp = np.stack([0.1 * np.sin(2 * t), 0.05 * np.cos(5 * t) * np.exp(-((t - 5) ** 2))], axis=1)
-    com = _pendulum(zmp, omega / rate, zmp[0])
+    com = bounded_com(zmp, omega / rate, zmp[0])
     acceleration = np.gradient(np.gradient(com, 1 / rate, axis=0), 1 / rate, axis=0)
     assert np.abs(acceleration - omega**2 * (com - zmp))[inside].max() < 2e-3
 
@@ -62,7 +63,7 @@ def test_the_pendulum_obeys_its_equation():
 def test_the_pendulum_is_bounded_by_its_support():
     rng = np.random.default_rng(0)
     zmp = np.repeat(rng.uniform(-0.1, 0.1, (60, 2)), 30, axis=0)
-    com = _pendulum(zmp, 3.2 / HZ, zmp[0])
+    com = bounded_com(zmp, 3.2 / HZ, zmp[0])
     assert (com.max(axis=0) <= zmp.max(axis=0) + 1e-12).all()
     assert (com.min(axis=0) >= zmp.min(axis=0) - 1e-12).all()
     assert com[-1] == pytest.approx(zmp[-1], abs=0.1)
@@ -90,20 +91,22 @@ def test_the_planned_pelvis_ends_where_its_feet_end(duration, move):
     assert np.abs(np.diff(r.pelvis, axis=0)).max() * HZ < 0.7
 
 
-def test_back_and_forth_returns_to_the_slot():
+def test_a_phrase_ends_on_the_slot():
     plan = Plan()
     plan.planner.extend(phrase(), 0.0)
     assert np.linalg.norm(plan.reference.ankles[-1, :, :2].mean(axis=0)) < 0.12
 
 
-def test_a_dancer_who_was_led_astray_walks_back_beside_the_slot_without_losing_time():
-    """A long move, a turn, and what was too far ahead is aside: two moves bring it back, as fast as straight ones."""
+def test_a_dancer_beside_the_slot_returns_during_moves_without_losing_time():
+    """After a long move and a turn the dancer stands beside the slot; two moves lead back as fast as straight ones."""
     plan = Plan(seconds=24.0)
     plan.planner.extend([walk_cue(Move.FORWARD, 2.0, 3.5), walk_cue(Move.TURN, 7.0, 1.8)], 0.0)
-    aside = plan.reference.pelvis[round(11.0 * HZ), 1]
-    assert aside > 0.7
+    off_m = plan.reference.pelvis[round(11.0 * HZ), 1]
+    assert off_m > 0.7
+
     plan.planner.extend([walk_cue(Move.FORWARD, 12.0, 2.0), walk_cue(Move.BACKWARD, 17.0, 2.0)], 0.0)
-    assert plan.reference.pelvis[-1, 1] < aside - 0.15
+    assert plan.reference.pelvis[-1, 1] < off_m - 0.15
+
     straight = Plan(seconds=24.0)
     straight.planner.extend([walk_cue(Move.FORWARD, 12.0, 2.0)], 0.0)
     walk = slice(round(12.5 * HZ), round(13.5 * HZ))
@@ -122,7 +125,7 @@ def test_planned_legs_reach_their_planned_ankles():
 
 
 @pytest.mark.parametrize("late", [PREVIEW_S, 0.6])
-def test_what_lies_before_the_present_is_left_alone(late):
+def test_rows_before_the_present_do_not_change(late):
     plan = Plan()
     cues = phrase()
     plan.planner.extend(cues[:1], 0.0)
@@ -155,7 +158,7 @@ def test_planning_in_parts_equals_planning_at_once():
         ([(Move.TURN, 2.0, 0.5)], "duration_s", "1 s or longer"),
     ],
 )
-def test_cues_that_cannot_be_danced_are_refused(cues, field, allowed):
+def test_impossible_cues_are_refused(cues, field, allowed):
     plan = Plan()
     with pytest.raises(ConfigError, match=allowed) as caught:
         plan.planner.extend([walk_cue(*cue) for cue in cues], 1.0)

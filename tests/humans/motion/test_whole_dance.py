@@ -1,4 +1,4 @@
-"""Whole dances: nobody falls, plans are kept in place and time, the tether hardly helps."""
+"""Tests of whole dances in physics: no falls, motion as planned, and little force of the balance support."""
 
 from __future__ import annotations
 
@@ -13,53 +13,53 @@ from ..dancing import HZ, Floor, builds, paper_floor, walk_cue
 
 
 @cache
-def danced():
+def performed():
     """One iteration by three dancers of random build."""
     return paper_floor(builds(3, 11), seed=11).run()
 
 
-def test_nobody_falls():
-    assert not danced().fell
+def test_no_dancer_falls():
+    assert not performed().fell
 
 
-def test_dancers_are_where_they_planned_to_be():
-    errors = danced().pelvis_errors()
+def test_the_pelvis_follows_its_plan():
+    errors = performed().pelvis_errors()
     assert errors.mean(axis=0).max() <= 0.025
     assert errors.max() <= 0.10
 
 
-def test_the_tether_hardly_helps():
-    force = danced().tether_n()
+def test_balance_support_needs_little_force():
+    force = performed().support_n()
     assert np.sqrt((force**2).mean(axis=0)).max() <= 20.0
 
 
 def test_feet_carry_the_weight():
-    floor = danced()
+    floor = performed()
     share = floor.column("loads").mean(axis=0) / floor.physics.servos.weight
     assert share.min() >= 0.99
 
 
 @pytest.mark.parametrize("dancer", range(3))
 def test_moves_start_and_stop_when_planned(dancer):
-    errors = [error for kind, error, _ in danced().event_errors(dancer) if kind is not Kind.CLAP]
+    errors = [error for kind, error, _ in performed().event_errors(dancer) if kind is not Kind.CLAP]
     assert len(errors) == 8
     assert np.abs(errors).max() <= 0.033
     assert abs(np.mean(errors)) <= 0.010
 
 
 def test_hands_meet_within_a_frame_of_the_planned_clap():
-    errors = [error for dancer in range(3) for kind, error, _ in danced().event_errors(dancer) if kind is Kind.CLAP]
+    errors = [error for dancer in range(3) for kind, error, _ in performed().event_errors(dancer) if kind is Kind.CLAP]
     assert len(errors) == 3
     assert np.abs(errors).max() <= 0.020
 
 
-def test_the_same_dance_twice_is_the_same_to_the_last_bit():
+def test_the_same_dance_twice_gives_equal_states():
     first, second = (paper_floor(builds(2, 5), seed=5).run(4.0) for _ in range(2))
     assert np.array_equal(first.column("roots"), second.column("roots"))
 
 
 @pytest.mark.parametrize("walking", [False, True], ids=["standing", "walking"])
-def test_a_sideways_push_fells_nobody(walking):
+def test_no_dancer_falls_after_a_sideways_push(walking):
     slots = np.array([[0.0, 0.0], [2.5, 0.0], [-2.5, 0.0]])
     floor = Floor(builds(3, 21), 5.5, slots=slots)
     for dancer in range(3 * walking):
