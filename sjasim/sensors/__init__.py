@@ -1,1 +1,1 @@
-"""What the four sensors and their clients make of the stage: skeletons, then events."""
+"""Simulated sensors and their clients: skeletons from depth images or true joints, and motion events from skeletons."""

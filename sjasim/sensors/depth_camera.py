@@ -1,10 +1,10 @@
-"""A depth camera: rays of a pinhole cast at the stage's primitives, compiled, without OpenGL.
+"""Depth camera: one ray per pixel of a pinhole camera, cast at the scene's geoms. Compiled, without OpenGL.
 
-Every geom is only tested against the pixels of a box that holds its image, in its own frame. Depth, geom and angle of
-incidence are exact: the same as MuJoCo's rays, some forty times sooner.
+Every geom is tested only against the pixels of a rectangle that contains its image. Depth, geom and angle of incidence
+are exact: they equal those of MuJoCo's rays, at about a fortieth of the time.
 
-Frame of the camera: x to the sensor's left (columns grow with it, as the Kinect mirrors its images), y up (rows grow
-downwards), z away from the sensor.
+Camera frame: x points to the sensor's left (columns grow with it, since the Kinect mirrors its images), y up (rows grow
+downwards) and z away from the sensor.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ..choreography.layout import Mount
 from ..core import Array, Geoms, IntArray
+from ..core.compiled import compiled_entry, compiled_inner
 from .raycast.primitives import (
     BOX,
     CAPSULE,
@@ -31,18 +31,24 @@ from .raycast.primitives import (
 )
 
 NEAR_M = 0.05
-"""A geom this near to the image plane is tested against every pixel."""
+"""A geom that comes this near to the image plane is tested against every pixel."""
+
+KINECT_V2_COLUMNS = 512
+"""Columns of a Kinect v2's depth image."""
+
+KINECT_V2_ROWS = 424
+"""Rows of a Kinect v2's depth image."""
 
 
 @dataclass(frozen=True, slots=True)
 class Intrinsics:
-    """A pinhole: size and focal lengths of the image in pixels; the axis goes through its middle.
+    """Pinhole model: size and focal lengths of an image in pixels; the optical axis goes through its middle.
 
     Attributes:
-        width: columns.
-        height: rows.
-        fx: focal length over the width of a pixel.
-        fy: focal length over the height of a pixel.
+        width: number of columns.
+        height: number of rows.
+        fx: focal length, in widths of a pixel.
+        fy: focal length, in heights of a pixel.
     """
 
     width: int
@@ -52,8 +58,16 @@ class Intrinsics:
 
     @classmethod
     def from_field_of_view(cls, width: int, horizontal_fov_rad: float, vertical_fov_rad: float) -> Intrinsics:
-        """A Kinect v2's for 512 (512 x 424) or 256 columns (256 x 212); pixels are not quite square."""
-        height = width * 424 // 512
+        """Return the intrinsics of a Kinect v2 at full (512 x 424) or half resolution (256 x 212).
+
+        Its pixels are not quite square, so the two focal lengths differ.
+
+        Args:
+            width: number of columns; rows follow from the Kinect's aspect ratio.
+            horizontal_fov_rad: horizontal field of view.
+            vertical_fov_rad: vertical field of view.
+        """
+        height = width * KINECT_V2_ROWS // KINECT_V2_COLUMNS
         return cls(
             width,
             height,
@@ -64,10 +78,10 @@ class Intrinsics:
 
 @dataclass(frozen=True, slots=True)
 class RenderedDepth:
-    """What a camera's rays meet; the camera overwrites it with its next picture.
+    """Exact depth image with the geom and the incidence at every pixel; the camera reuses the arrays.
 
     Attributes:
-        depth_m: (H, W) distance along the optical axis; infinite where there is nothing.
+        depth_m: (H, W) distance along the optical axis; infinite where the ray meets nothing.
         geom: (H, W) row of `Geoms`, -1 for nothing.
         incidence: (H, W) cosine of the angle between ray and surface normal, 0 where there is nothing.
     """
@@ -77,134 +91,187 @@ class RenderedDepth:
     incidence: NDArray[np.float32]
 
 
-@njit(cache=True, error_model="numpy")
-def _span(across: float, ahead: float, radius: float, focal: float, middle: float, count: int) -> tuple[int, int]:
-    """First and last pixel of a sphere's image along one axis, never too few."""
+@compiled_inner
+def _pixel_span(
+    across: float, ahead: float, radius: float, focal: float, middle: float, count: int
+) -> tuple[int, int]:  # fmt: skip
+    """Return the first and last pixel of a sphere's image along one axis; the span is never too small."""
     if ahead - radius < NEAR_M:
         return (0, -1) if ahead + radius < NEAR_M else (0, count - 1)
+
+    # The two tangents from the camera to the sphere bound its image.
     reach = math.sqrt(max(across * across + ahead * ahead - radius * radius, 1e-12))
     low = (across * reach - radius * ahead) / (ahead * reach + radius * across)
     high = (across * reach + radius * ahead) / (ahead * reach - radius * across)
     return max(math.floor(middle + focal * low), 0), min(math.ceil(middle + focal * high), count - 1)
 
 
-@njit(cache=True, error_model="numpy")
-def _floor(
-    g: int, at: Array, turn: Array, size: Array, fx: float, fy: float, depth: Array, geom: Array, facing: Array
-) -> None:
-    """Cast every pixel at a plane; it is seen from its front only, and as far as its size says.
+@compiled_inner
+def _cast_at_plane(
+    g: int, centre: Array, axes: Array, size: Array, fx: float, fy: float, depth: Array, geom: NDArray[np.int16],
+    incidence: NDArray[np.float32],
+) -> None:  # fmt: skip
+    """Cast every pixel's ray at a plane, which is visible from its front only and as far as its size says.
 
-    `rays.primitives.plane` in other words: row by row and without a branch, so that many pixels are cast at once.
+    The equations are those of `ray_plane`, written row by row and without a branch so that the compiler vectorises
+    them: the floor fills most of an image.
     """
     height, width = depth.shape
-    middle_u, middle_v, per_x = (width - 1) / 2, (height - 1) / 2, 1.0 / fx
-    above = -(turn[0, 2] * at[0] + turn[1, 2] * at[1] + turn[2, 2] * at[2])
-    if above < 0.0:
-        return
-    wide, long = size[0] if size[0] > 0.0 else np.inf, size[1] if size[1] > 0.0 else np.inf
-    start_x = turn[0, 0] * at[0] + turn[1, 0] * at[1] + turn[2, 0] * at[2]
-    start_y = turn[0, 1] * at[0] + turn[1, 1] * at[1] + turn[2, 1] * at[2]
-    slope_x, slope_y, slope_z = turn[0, 0], turn[0, 1], turn[0, 2]
-    far, cosine = np.empty(width), np.empty(width)
-    for v in range(height):
-        y = (middle_v - v) / fy
-        row_x, row_y = turn[1, 0] * y + turn[2, 0], turn[1, 1] * y + turn[2, 1]
-        row_z, square = turn[1, 2] * y + turn[2, 2], y * y + 1.0
-        if row_z - abs(slope_z) * middle_u * per_x > -TINY:
-            continue
-        for u in range(width):
-            x = (u - middle_u) * per_x
-            down = slope_z * x + row_z
-            t = -above / down
-            across, along = abs(t * (slope_x * x + row_x) - start_x), abs(t * (slope_y * x + row_y) - start_y)
-            far[u] = t if (down < -TINY) & (across <= wide) & (along <= long) else np.inf
-            cosine[u] = -down / math.sqrt(x * x + square)
-        for u in range(width):
-            if far[u] < depth[v, u]:
-                depth[v, u], geom[v, u], facing[v, u] = far[u], g, cosine[u]
+    middle_u = (width - 1) / 2
+    middle_v = (height - 1) / 2
+    per_x = 1.0 / fx
+
+    camera_height = -(axes[0, 2] * centre[0] + axes[1, 2] * centre[1] + axes[2, 2] * centre[2])
+    if camera_height >= 0.0:
+        half_x = size[0] if size[0] > 0.0 else np.inf
+        half_y = size[1] if size[1] > 0.0 else np.inf
+        start_x = axes[0, 0] * centre[0] + axes[1, 0] * centre[1] + axes[2, 0] * centre[2]
+        start_y = axes[0, 1] * centre[0] + axes[1, 1] * centre[1] + axes[2, 1] * centre[2]
+        slope_x = axes[0, 0]
+        slope_y = axes[0, 1]
+        slope_z = axes[0, 2]
+        row_depth = np.zeros(width)
+        row_cosine = np.zeros(width)
+
+        for v in range(height):
+            y = (middle_v - v) / fy
+            row_x = axes[1, 0] * y + axes[2, 0]
+            row_y = axes[1, 1] * y + axes[2, 1]
+            row_z = axes[1, 2] * y + axes[2, 2]
+            square = y * y + 1.0
+
+            # No ray of this row points down to the plane.
+            if row_z - abs(slope_z) * middle_u * per_x > -TINY:
+                continue
+
+            for u in range(width):
+                x = (u - middle_u) * per_x
+                down = slope_z * x + row_z
+                t = -camera_height / down
+                plane_x = abs(t * (slope_x * x + row_x) - start_x)
+                plane_y = abs(t * (slope_y * x + row_y) - start_y)
+                row_depth[u] = t if (down < -TINY) & (plane_x <= half_x) & (plane_y <= half_y) else np.inf
+                row_cosine[u] = -down / math.sqrt(x * x + square)
+
+            for u in range(width):
+                if row_depth[u] < depth[v, u]:
+                    depth[v, u] = row_depth[u]
+                    geom[v, u] = g
+                    incidence[v, u] = row_cosine[u]
 
 
-@njit(cache=True, error_model="numpy")
-def _bounds(
-    form: int, at: Array, turn: Array, size: Array, fx: float, fy: float, shape: tuple[int, int]
+@compiled_inner
+def _bounding_rectangle(
+    form: int, centre: Array, axes: Array, size: Array, fx: float, fy: float, height: int, width: int
 ) -> tuple[int, int, int, int]:
-    """First and last column, first and last row of a box that holds the geom's image."""
-    height, width = shape
-    middle_u, middle_v = (width - 1) / 2, (height - 1) / 2
-    half, radius = 0.0, size[0]
-    if form in (CAPSULE, CYLINDER):  # a capsule holds the cylinder between its ends
+    """Return the first and last column and the first and last row of a rectangle that contains a geom's image."""
+    middle_u = (width - 1) / 2
+    middle_v = (height - 1) / 2
+
+    # The image is bounded by that of two spheres, one at each end of the axis; a capsule contains the cylinder
+    # between its ends.
+    half = 0.0
+    radius = size[0]
+    if form in (CAPSULE, CYLINDER):
         half = size[1]
     elif form == BOX:
         radius = math.sqrt(size[0] ** 2 + size[1] ** 2 + size[2] ** 2)
     elif form == ELLIPSOID:
         radius = max(size[0], size[1], size[2])
-    left, right, top, bottom = width, -1, height, -1
+
+    left = width
+    right = -1
+    top = height
+    bottom = -1
     for end in (-half, half):
-        x, y, z = at[0] + end * turn[0, 2], at[1] + end * turn[1, 2], at[2] + end * turn[2, 2]
-        first, last = _span(x, z, radius, fx, middle_u, width)
-        left, right = min(left, first), max(right, last)
-        first, last = _span(-y, z, radius, fy, middle_v, height)
-        top, bottom = min(top, first), max(bottom, last)
+        x = centre[0] + end * axes[0, 2]
+        y = centre[1] + end * axes[1, 2]
+        z = centre[2] + end * axes[2, 2]
+        first, last = _pixel_span(x, z, radius, fx, middle_u, width)
+        left = min(left, first)
+        right = max(right, last)
+        first, last = _pixel_span(-y, z, radius, fy, middle_v, height)
+        top = min(top, first)
+        bottom = max(bottom, last)
     return left, right, top, bottom
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_entry
 def cast_rays(
     form: IntArray, size: Array, position: Array, rotation: Array, fx: float, fy: float, depth: Array,
-    geom: NDArray[np.int16], facing: NDArray[np.float32],
+    geom: NDArray[np.int16], incidence: NDArray[np.float32],
 ) -> None:  # fmt: skip
-    """Fill a picture.
-
-    Bodies are capsules, which are therefore met without asking for their form at every pixel.
+    """Draw geoms into an image; at every pixel the nearest surface remains.
 
     Args:
-        form: (G,) codes.
-        size: (G, 3) [m].
-        position: (G, 3) in the camera's frame [m].
+        form: (G,) MuJoCo's geom types.
+        size: (G, 3) MuJoCo's geom sizes [m].
+        position: (G, 3) centres in the camera's frame [m].
         rotation: (G, 3, 3) camera from geom.
-        fx: focal length over the width of a pixel.
-        fy: focal length over the height of a pixel.
-        depth: (H, W) output, as in `Picture`.
-        geom: (H, W) output.
-        facing: (H, W) output.
+        fx: focal length, in widths of a pixel.
+        fy: focal length, in heights of a pixel.
+        depth: (H, W) changed in place, as in `RenderedDepth`.
+        geom: (H, W) changed in place.
+        incidence: (H, W) changed in place.
     """
     height, width = depth.shape
-    middle_u, middle_v = (width - 1) / 2, (height - 1) / 2
-    depth[:], geom[:], facing[:] = np.inf, -1, 0.0
-    slopes = (np.arange(width) - middle_u) / fx
+    middle_u = (width - 1) / 2
+    middle_v = (height - 1) / 2
+    # The columns' slopes are the same in every row and for every geom.
+    slopes = np.zeros(width)
+    for u in range(width):
+        slopes[u] = (u - middle_u) / fx
+
     for g in range(len(form)):
-        at, turn, own, kind = position[g], rotation[g], size[g], form[g]
+        centre = position[g]
+        axes = rotation[g]
+        own_size = size[g]
+        kind = form[g]
         if kind == PLANE:
-            _floor(g, at, turn, own, fx, fy, depth, geom, facing)
+            _cast_at_plane(g, centre, axes, own_size, fx, fy, depth, geom, incidence)
             continue
-        left, right, top, bottom = _bounds(kind, at, turn, own, fx, fy, (height, width))
-        px = -(turn[0, 0] * at[0] + turn[1, 0] * at[1] + turn[2, 0] * at[2])
-        py = -(turn[0, 1] * at[0] + turn[1, 1] * at[1] + turn[2, 1] * at[2])
-        pz = -(turn[0, 2] * at[0] + turn[1, 2] * at[1] + turn[2, 2] * at[2])
-        radius, half = own[0], own[1]
+
+        left, right, top, bottom = _bounding_rectangle(kind, centre, axes, own_size, fx, fy, height, width)
+        # All rays start at the camera, here in the geom's own frame.
+        px = -(axes[0, 0] * centre[0] + axes[1, 0] * centre[1] + axes[2, 0] * centre[2])
+        py = -(axes[0, 1] * centre[0] + axes[1, 1] * centre[1] + axes[2, 1] * centre[2])
+        pz = -(axes[0, 2] * centre[0] + axes[1, 2] * centre[1] + axes[2, 2] * centre[2])
+        radius = own_size[0]
+        half = own_size[1]
+
         for v in range(top, bottom + 1):
             y = (middle_v - v) / fy
-            ax, ay, az = turn[1, 0] * y + turn[2, 0], turn[1, 1] * y + turn[2, 1], turn[1, 2] * y + turn[2, 2]
+            row_x = axes[1, 0] * y + axes[2, 0]
+            row_y = axes[1, 1] * y + axes[2, 1]
+            row_z = axes[1, 2] * y + axes[2, 2]
+
             for u in range(left, right + 1):
                 x = slopes[u]
-                dx, dy, dz = turn[0, 0] * x + ax, turn[0, 1] * x + ay, turn[0, 2] * x + az
+                dx = axes[0, 0] * x + row_x
+                dy = axes[0, 1] * x + row_y
+                dz = axes[0, 2] * x + row_z
+
+                # Bodies consist of capsules: calling their function directly saves a look-up at every pixel.
                 if kind == CAPSULE:
                     t = ray_capsule(px, py, pz, dx, dy, dz, radius, half)
                 else:
-                    t = ray_distance(kind, own, px, py, pz, dx, dy, dz)
+                    t = ray_distance(kind, own_size, px, py, pz, dx, dy, dz)
+
                 if t < depth[v, u]:
-                    nx, ny, nz = surface_normal(kind, own, px + t * dx, py + t * dy, pz + t * dz)
+                    nx, ny, nz = surface_normal(kind, own_size, px + t * dx, py + t * dy, pz + t * dz)
+                    # The direction has the length of (x, y, 1): rotating it into the geom's frame does not change it.
                     square = (nx * nx + ny * ny + nz * nz) * (x * x + y * y + 1.0)
-                    depth[v, u], geom[v, u] = t, g
-                    facing[v, u] = abs(nx * dx + ny * dy + nz * dz) / math.sqrt(square)
+                    depth[v, u] = t
+                    geom[v, u] = g
+                    incidence[v, u] = abs(nx * dx + ny * dy + nz * dz) / math.sqrt(square)
 
 
 class DepthCamera:
-    """One sensor's depth camera.
+    """Depth camera of one sensor.
 
     Args:
-        mount: where it is.
-        intrinsics: its pinhole.
+        mount: position and orientation of the sensor.
+        intrinsics: pinhole model of its images.
     """
 
     def __init__(self, mount: Mount, intrinsics: Intrinsics) -> None:
@@ -212,23 +279,31 @@ class DepthCamera:
         self._position = np.asarray(mount.position, dtype=float)
         self._world_from_camera = np.ascontiguousarray(mount.world_from_sensor)
         self._camera_from_world = np.ascontiguousarray(mount.world_from_sensor.T)
+
         shape = (intrinsics.height, intrinsics.width)
-        self._picture = RenderedDepth(np.empty(shape), np.empty(shape, np.int16), np.empty(shape, np.float32))
+        self._image = RenderedDepth(np.empty(shape), np.empty(shape, np.int16), np.empty(shape, np.float32))
 
     def render(self, geoms: Geoms) -> RenderedDepth:
-        """Cast one ray through every pixel.
+        """Return the exact depth image of a scene.
 
         Args:
-            geoms: what there is to see; the camera must not be inside one of them.
+            geoms: the scene's geoms; the camera must not be inside one of them.
 
         Returns:
             the camera's own arrays, valid until the next call.
         """
         position = (geoms.position_m - self._position) @ self._world_from_camera
         rotation = np.matmul(self._camera_from_world, geoms.rotation)
-        out = self._picture
+
+        # The rays keep what is nearer, so they need an empty image to begin with.
+        image = self._image
+        image.depth_m.fill(np.inf)
+        image.geom.fill(-1)
+        image.incidence.fill(0.0)
+
+        fx = self.intrinsics.fx
+        fy = self.intrinsics.fy
         cast_rays(
-            geoms.form, geoms.size_m, position, rotation, self.intrinsics.fx, self.intrinsics.fy, out.depth_m,
-            out.geom, out.incidence,
+            geoms.form, geoms.size_m, position, rotation, fx, fy, image.depth_m, image.geom, image.incidence
         )  # fmt: skip
-        return out
+        return image

@@ -1,83 +1,86 @@
-"""Depth sensing: what a sensor makes of the stage with nothing but its depth images."""
+"""Sensing route `depth`: skeletons estimated from simulated depth images alone."""
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..choreography.layout import Mount
 from ..config import SessionConfig
-from ..core import Array, Geoms, IntArray, SceneView, Skeletons
+from ..core import Array, BoolArray, Geoms, IntArray, SceneView, Skeletons
 from ..core.registry import register
 from . import kinect_noise
 from .depth_camera import DepthCamera, Intrinsics, RenderedDepth
 from .joint_occlusion import BODY_DEPTH_M
 from .skeleton.estimator import SkeletonEstimator
 
-BoolArray = NDArray[np.bool_]
-
 NOT_A_DANCER = -1
+"""Index of the dancer behind an estimated person that is near no dancer."""
+
 IMAGE_MARGIN_M = 1.0
-"""So much farther than the farthest tracked person a depth image reaches: who sways beyond that is not cut in half,
-which would look like a step, but inferred (assumed; a Kinect v2's images reach 8 m, of which 4.5 count for persons)."""
+"""How much farther a depth image reaches than persons are tracked (assumed).
+
+Without it, somebody who sways across the limit would be cut in half, which looks like a step. A Kinect v2's images
+reach 8 m, of which 4.5 m count for persons.
+"""
+
 MAX_ASSIGNMENT_M = 0.60
-"""A person farther than this from every dancer is nobody (for the record only)."""
-_BASE = JOINT_INDEX["SpineBase"]
+"""A person farther than this from every dancer is assigned to none of them; for the record only (assumed)."""
+
+_SPINE_BASE = JOINT_INDEX["SpineBase"]
 
 
 @register("sensing", "depth")
 class DepthSensing:
-    """One sensor's skeletons from simulated depth images.
+    """Skeletons of one sensor, estimated from simulated depth images.
 
-    A frame is exact depth, made as bad as a Kinect v2's, and handed to a `SkeletonEstimator`; nothing of the truth
-    reaches that. Only ``dancers`` and ``visible`` look at the truth, when the record asks for them.
+    An exact depth image is rendered, gets the noise of a Kinect v2, and is handed to a `SkeletonEstimator`, which sees
+    nothing of the truth. Only ``dancers``, ``visible`` and ``visibility`` use the truth, for the record.
 
     Args:
-        mount: where the sensor is.
-        config: the session, whose ``sensors`` say resolution, field of view, range and loss.
+        mount: position and orientation of the sensor.
+        config: the session; its ``sensors`` hold resolution, field of view, range and frame loss.
         rng: the sensor's own random stream.
     """
 
     def __init__(self, mount: Mount, config: SessionConfig, rng: np.random.Generator) -> None:
-        self._noises, self._losses = rng.spawn(2)
+        self._noise_rng, self._loss_rng = rng.spawn(2)
         self._mount = mount
-        self._config = sensors = config.sensors
+        self._config = config.sensors
         self.intrinsics = Intrinsics.from_field_of_view(
-            sensors.width_px, sensors.horizontal_fov_rad, sensors.vertical_fov_rad
+            config.sensors.width_px, config.sensors.horizontal_fov_rad, config.sensors.vertical_fov_rad
         )
         self._camera = DepthCamera(mount, self.intrinsics)
-        self._last: _Last | None = None
+        self._last: _LastFrame | None = None
 
     @cached_property
     def _estimator(self) -> SkeletonEstimator:
         return SkeletonEstimator(self.intrinsics, float(self._mount.position[2]), self._config.max_range_m)
 
     def frame(self, view: SceneView) -> NDArray[np.uint16]:
-        """(H, W) depth image of this instant in whole millimetres, 0 where there is none."""
+        """Return the depth image of this instant: (H, W) whole millimetres, 0 where there is no depth."""
+        # Joints are copied because the view changes with the scene; the image stays valid until the next frame.
         geoms = view.geoms
-        picture = self._camera.render(geoms)
-        near_m, far_m = self._config.min_range_m, self._config.max_range_m
-        self._last = _Last(self._mount, self.intrinsics, (near_m, far_m), picture, geoms, np.array(view.joints_m))
-        return kinect_noise.add_kinect_noise(
-            picture, geoms.form, self.intrinsics.fx, (near_m, far_m + IMAGE_MARGIN_M), self._noises
-        )
+        image = self._camera.render(geoms)
+        near_m = self._config.min_range_m
+        far_m = self._config.max_range_m
+        self._last = _LastFrame(self._mount, self.intrinsics, (near_m, far_m), image, geoms, np.array(view.joints_m))
+
+        image_range_m = (near_m, far_m + IMAGE_MARGIN_M)
+        return kinect_noise.add_kinect_noise(image, geoms.form, self.intrinsics.fx, image_range_m, self._noise_rng)
 
     def sample(self, view: SceneView) -> Skeletons | None:
-        """See the stage at this instant.
+        """Return the skeletons of all persons that are tracked at this instant, or None if the frame was lost.
 
         Args:
-            view: the stage; times of successive calls must not fall.
-
-        Returns:
-            the skeletons of everybody who is followed, or None if the frame was lost.
+            view: the scene; its time must not decrease from one call to the next.
         """
-        if self._config.frame_loss and self._losses.random() < self._config.frame_loss:
+        if self._config.frame_loss and self._loss_rng.random() < self._config.frame_loss:
             return None
+
         depth_mm = self.frame(view)
         skeletons = self._estimator.update(view.time_s, depth_mm)
         assert self._last is not None
@@ -86,80 +89,80 @@ class DepthSensing:
 
     @property
     def dancers(self) -> IntArray:
-        """(P,) index of the dancer behind each row of the last frame, -1 for nobody; only for the record."""
+        """(P,) index of the dancer behind each person of the last frame, -1 for none; for the record only."""
         return self._last.dancers if self._last else np.zeros(0, dtype=np.int64)
 
     @property
     def visibility(self) -> BoolArray:
-        """(D, 25) which joints of every dancer the last frame could see, tracked or not; only for the record."""
-        assert self._last is not None, "no frame has been taken yet"
+        """(D, 25) whether the last frame could show each joint of every dancer, tracked or not; for the record only."""
+        assert self._last is not None, "no frame has been rendered yet"
         return self._last.visible
 
     @property
     def visible(self) -> BoolArray:
-        """(P, 25) which joints of those dancers the last frame could see; only for the record."""
+        """(P, 25) the rows of ``visibility`` for the dancers behind the last frame's persons; for the record only."""
         if self._last is None:
             return np.zeros((0, len(JOINTS)), dtype=bool)
-        seen = np.concatenate([self._last.visible, np.zeros((1, len(JOINTS)), dtype=bool)])
-        return seen[self._last.dancers]
+
+        # A row of its own, the last one, serves persons that are no dancer: their index is -1.
+        nobody = np.zeros((1, len(JOINTS)), dtype=bool)
+        return np.concatenate([self._last.visible, nobody])[self._last.dancers]
 
 
-@njit(cache=True, error_model="numpy")
-def _look(
-    joints: Array, fx: float, fy: float, range_m: tuple[float, float], geom: NDArray[np.int16], depth: Array,
-    owner: IntArray, out: BoolArray,
-) -> None:  # fmt: skip
-    """Mark the joints (D, 25, 3) in range whose pixel shows nothing before them but their own dancer's flesh."""
-    height, width = geom.shape
-    for d in range(joints.shape[0]):
-        for j in range(joints.shape[1]):
-            x, y, z = joints[d, j]
-            if range_m[0] <= z <= range_m[1]:
-                u, v = np.rint((width - 1) / 2 + fx * x / z), np.rint((height - 1) / 2 - fy * y / z)
-                if 0.0 <= u < width and 0.0 <= v < height:
-                    row, column = int(v), int(u)
-                    g = geom[row, column]
-                    own = g >= 0 and owner[g] == d
-                    out[d, j] = depth[row, column] >= z - (BODY_DEPTH_M[j] if own else 0.0)
-
-
-@njit(cache=True)
-def _name(seen: Array, joints: Array, out: IntArray) -> None:
-    """Write which dancer of (D, 25, 3) is nearest to each person of (P, 25, 3), by SpineBase over the floor."""
-    for p in range(len(seen)):
-        best = MAX_ASSIGNMENT_M
-        for d in range(len(joints)):
-            x, z = seen[p, _BASE, 0] - joints[d, _BASE, 0], seen[p, _BASE, 2] - joints[d, _BASE, 2]
-            away = math.sqrt(x * x + z * z)
-            if away < best:
-                best, out[p] = away, d
-
-
-class _Last:
-    """The last frame's truth, looked at when somebody asks; valid until the camera's next picture."""
+class _LastFrame:
+    """True state at the last frame, evaluated only when the record asks; valid until the camera's next image."""
 
     def __init__(
-        self, mount: Mount, intrinsics: Intrinsics, range_m: tuple[float, float], picture: RenderedDepth, geoms: Geoms,
+        self,
+        mount: Mount,
+        intrinsics: Intrinsics,
+        range_m: tuple[float, float],
+        image: RenderedDepth,
+        geoms: Geoms,
         joints_m: Array,
-    ) -> None:  # fmt: skip
-        self._intrinsics, self._range_m = intrinsics, range_m
-        self._picture = picture
+    ) -> None:
+        self._intrinsics = intrinsics
+        self._range_m = range_m
+        self._image = image
         self._owner = geoms.owner
-        self._joints = (joints_m - mount.position) @ mount.world_from_sensor
+        self._joints_m = (joints_m - mount.position) @ mount.world_from_sensor
         self.skeletons: Skeletons | None = None
 
     @cached_property
     def dancers(self) -> IntArray:
-        """(P,) nearest dancer by SpineBase, -1 for nobody near."""
-        out = np.full(0 if self.skeletons is None else len(self.skeletons.persons), NOT_A_DANCER, dtype=np.int64)
-        if self.skeletons is not None:
-            _name(self.skeletons.joints, self._joints, out)
-        return out
+        """(P,) nearest dancer by the floor distance of SpineBase, -1 where none is near."""
+        if self.skeletons is None:
+            return np.zeros(0, dtype=np.int64)
+
+        estimated = self.skeletons.joints[:, _SPINE_BASE]
+        true = self._joints_m[:, _SPINE_BASE]
+        x = estimated[:, None, 0] - true[None, :, 0]
+        z = estimated[:, None, 2] - true[None, :, 2]
+
+        # A joint that is not tracked is NaN and near nobody.
+        distance = np.nan_to_num(np.sqrt(x * x + z * z), nan=np.inf)
+        return np.asarray(np.where(distance.min(axis=1) < MAX_ASSIGNMENT_M, distance.argmin(axis=1), NOT_A_DANCER))
 
     @cached_property
     def visible(self) -> BoolArray:
-        """(D, 25) joints whose pixel shows nothing before them but their own dancer's flesh."""
-        pinhole, picture = self._intrinsics, self._picture
-        out = np.zeros(self._joints.shape[:2], dtype=bool)
-        _look(self._joints, pinhole.fx, pinhole.fy, self._range_m, picture.geom, picture.depth_m, self._owner, out)
+        """(D, 25) joints in range whose pixel shows nothing in front of them but the dancer's own body."""
+        x, y, z = np.moveaxis(self._joints_m, 2, 0)
+        near_m, far_m = self._range_m
+        in_range = (near_m <= z) & (z <= far_m)
+        # Joints out of range are replaced, so that none is divided by zero.
+        depth = np.where(in_range, z, 1.0)
+
+        height, width = self._image.geom.shape
+        u = np.rint((width - 1) / 2 + self._intrinsics.fx * x / depth)
+        v = np.rint((height - 1) / 2 - self._intrinsics.fy * y / depth)
+        in_image = in_range & (u >= 0.0) & (u < width) & (v >= 0.0) & (v < height)
+
+        out = np.zeros(in_image.shape, dtype=bool)
+        dancer, joint = np.nonzero(in_image)
+        row = v[in_image].astype(np.int64)
+        column = u[in_image].astype(np.int64)
+        geom = self._image.geom[row, column]
+        own = (geom >= 0) & (self._owner[geom] == dancer)
+        body_depth = np.where(own, BODY_DEPTH_M[joint], 0.0)
+        out[in_image] = self._image.depth_m[row, column] >= z[in_image] - body_depth
         return out

@@ -19,8 +19,9 @@ from ..sensors import kinect_noise
 from ..sensors.depth_camera import DepthCamera, Intrinsics
 from ..sensors.skeleton import segmentation
 from ..sensors.skeleton.estimator import person_features, scale_from_stature
+from ..sensors.skeleton.foreground import Foreground, extract_foreground
 from ..sensors.skeleton.forest import point_features
-from ..sensors.skeleton.segmentation import Foreground
+from ..sensors.skeleton.person_measures import measure_persons
 from .scenes import Scene
 
 WIDTH = 256
@@ -80,7 +81,7 @@ class TrainingSensor:
         picture = self._camera.render(scene.geoms)
         limits = (self._config.min_range_m, self._config.max_range_m)
         depth = kinect_noise.add_kinect_noise(picture, scene.geoms.form, self.intrinsics.fx, limits, rng)
-        segmentation.extract_foreground(depth, self.intrinsics, float(mount.position[2]), self._scene)
+        extract_foreground(depth, self.intrinsics, float(mount.position[2]), self._scene)
         joints = (scene.joints_m - mount.position) @ mount.world_from_sensor
         joints[:, :, 1] += mount.position[2]
         places = joints[:, _BASE][:, [0, 2]] + PLACE_M * rng.standard_normal((len(joints), 2))
@@ -95,7 +96,7 @@ class TrainingSensor:
         yaw = scene.yaw_rad + np.where(loose, YAW_LOOSE_RAD, YAW_RAD) * rng.standard_normal(len(joints))
         scales = scale_from_stature(scene.stature_m) * (1.0 + SCALE * rng.standard_normal(len(joints)))
         per_pixel = 1.0 / (self.intrinsics.fx * self.intrinsics.fy)
-        body = segmentation.measure_persons(self._scene, places, scales, per_pixel)
+        body = measure_persons(self._scene, places, scales, per_pixel)
         return ObservedScene(
             self._scene, owner, joints, scene.yaw_rad, person_features(body, scales, yaw), body[:, 0], prior
         )

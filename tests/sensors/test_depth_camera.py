@@ -1,4 +1,4 @@
-"""The depth camera: the same as MuJoCo's rays, for every form, any way it is turned."""
+"""The depth camera against MuJoCo's rays, for every form of geom at any orientation."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ FORMS = {
 }
 
 
-def scene(forms: list[str], seed: int) -> tuple[mujoco.MjModel, mujoco.MjData, Geoms]:
-    """A floor and one geom of each form, placed and turned at random."""
+def random_scene(forms: list[str], seed: int) -> tuple[mujoco.MjModel, mujoco.MjData, Geoms]:
+    """Return a floor and one geom of each form, at random positions and orientations."""
     rng = np.random.default_rng(seed)
     spec = mujoco.MjSpec()
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[8, 8, 0.1])
@@ -48,20 +48,22 @@ def scene(forms: list[str], seed: int) -> tuple[mujoco.MjModel, mujoco.MjData, G
 
 
 def rays(intrinsics: Intrinsics) -> np.ndarray:
-    """(H, W, 3) directions in the world, of unit depth."""
+    """Return (H, W, 3) directions in the world, of unit depth."""
     u, v = np.meshgrid(np.arange(intrinsics.width), np.arange(intrinsics.height))
     x = (u - (intrinsics.width - 1) / 2) / intrinsics.fx
     y = ((intrinsics.height - 1) / 2 - v) / intrinsics.fy
     return np.stack([x, y, np.ones(x.shape)], axis=-1) @ NORTH.world_from_sensor.T
 
 
-def mujocos(model: mujoco.MjModel, data: mujoco.MjData, intrinsics: Intrinsics) -> tuple[np.ndarray, ...]:
-    """Depth [m], geom and cosine of incidence by mj_multiRay."""
+def render_by_mujoco(model: mujoco.MjModel, data: mujoco.MjData, intrinsics: Intrinsics) -> tuple[np.ndarray, ...]:
+    """Return depth [m], geom and cosine of incidence by mj_multiRay."""
     directions = rays(intrinsics)
     length = np.linalg.norm(directions, axis=2)
     flat = (directions / length[..., None]).reshape(-1, 3)
     count = len(flat)
-    geom, distance, normal = np.empty(count, np.int32), np.empty(count), np.empty((count, 3))
+    geom = np.empty(count, np.int32)
+    distance = np.empty(count)
+    normal = np.empty((count, 3))
     mujoco.mj_multiRay(
         model, data, NORTH.position, flat.ravel(), None, 1, -1, geom, distance, normal.ravel(), count, 1e3
     )
@@ -71,21 +73,22 @@ def mujocos(model: mujoco.MjModel, data: mujoco.MjData, intrinsics: Intrinsics) 
 
 
 @pytest.mark.parametrize("forms", [[name] for name in FORMS] + [[*FORMS, *FORMS]])
-def test_every_form_turned_any_way_is_seen_as_mujoco_sees_it(forms: list[str]):
+def test_every_form_at_any_orientation_is_rendered_as_by_mujoco(forms: list[str]):
     intrinsics = Intrinsics.from_field_of_view(256, *FOV)
     camera = DepthCamera(NORTH, intrinsics)
-    shown: set[int] = set()
+    rendered: set[int] = set()
     for seed in range(6):
-        model, data, geoms = scene(forms, seed)
-        seen = camera.render(geoms)
-        depth, geom, cosine = mujocos(model, data, intrinsics)
-        assert (seen.geom == geom).all()
-        met = geom >= 0
-        assert np.abs(seen.depth_m[met] - depth[met]).max() < 1e-6
-        assert np.isinf(seen.depth_m[~met]).all()
-        assert np.abs(seen.incidence[met] - cosine[met]).max() < 1e-4
-        shown |= set(geom.ravel())
-    assert shown >= set(range(len(forms) + 1))
+        model, data, geoms = random_scene(forms, seed)
+        image = camera.render(geoms)
+        depth, geom, cosine = render_by_mujoco(model, data, intrinsics)
+
+        assert (image.geom == geom).all()
+        hit = geom >= 0
+        assert np.abs(image.depth_m[hit] - depth[hit]).max() < 1e-6
+        assert np.isinf(image.depth_m[~hit]).all()
+        assert np.abs(image.incidence[hit] - cosine[hit]).max() < 1e-4
+        rendered |= set(geom.ravel())
+    assert rendered >= set(range(len(forms) + 1))
 
 
 def test_the_two_resolutions_have_the_kinects_focal_lengths():
@@ -96,27 +99,28 @@ def test_the_two_resolutions_have_the_kinects_focal_lengths():
 
 
 def test_columns_grow_to_the_sensors_left_and_rows_downwards():
-    place = NORTH.position + NORTH.world_from_sensor @ [0.5, 0.4, 2.0]
-    ball = Geoms(np.array([2]), np.array([[0.1, 0, 0]]), place[None], np.eye(3)[None], np.array([0]))
+    position = NORTH.position + NORTH.world_from_sensor @ [0.5, 0.4, 2.0]
+    ball = Geoms(np.array([2]), np.array([[0.1, 0, 0]]), position[None], np.eye(3)[None], np.array([0]))
     intrinsics = Intrinsics.from_field_of_view(256, *FOV)
     rows, columns = np.nonzero(DepthCamera(NORTH, intrinsics).render(ball).geom == 0)
     assert columns.mean() == pytest.approx(127.5 + 0.25 * intrinsics.fx, abs=1.0)
     assert rows.mean() == pytest.approx(105.5 - 0.2 * intrinsics.fy, abs=1.0)
 
 
-def test_what_lies_behind_or_before_nothing_is_not_seen():
-    place = NORTH.position - 2.0 * NORTH.world_from_sensor[:, 2]
-    ball = Geoms(np.array([2]), np.array([[0.1, 0, 0]]), place[None], np.eye(3)[None], np.array([0]))
-    seen = DepthCamera(NORTH, Intrinsics.from_field_of_view(256, *FOV)).render(ball)
-    assert (seen.geom == -1).all()
-    assert np.isinf(seen.depth_m).all()
-    assert not seen.incidence.any()
+def test_a_geom_behind_the_camera_is_not_rendered():
+    position = NORTH.position - 2.0 * NORTH.world_from_sensor[:, 2]
+    ball = Geoms(np.array([2]), np.array([[0.1, 0, 0]]), position[None], np.eye(3)[None], np.array([0]))
+    image = DepthCamera(NORTH, Intrinsics.from_field_of_view(256, *FOV)).render(ball)
+    assert (image.geom == -1).all()
+    assert np.isinf(image.depth_m).all()
+    assert not image.incidence.any()
 
 
 def first_hits(physics, directions):
-    """MuJoCo's own rays from the north sensor: distance, and the dancer that is hit or -1."""
+    """Return distance and the dancer that is hit, or -1, by MuJoCo's rays from the north sensor."""
     count = len(directions)
-    geom, distance = np.empty(count, dtype=np.int32), np.empty(count)
+    geom = np.empty(count, dtype=np.int32)
+    distance = np.empty(count)
     groups = np.array([1, 1, 1, 0, 1, 1], dtype=np.uint8)
     mujoco.mj_multiRay(
         physics.model,
@@ -136,17 +140,17 @@ def first_hits(physics, directions):
     return distance, np.array([int(name[7]) - 1 if name.startswith("dancer_") else -1 for name in names])
 
 
-def test_dancers_and_robot_on_a_stage_are_seen_as_the_stages_own_rays_see_them():
-    view, room = prepare_trial(Trial(5, 4.0))
+def test_dancers_and_robot_are_rendered_as_by_the_scenes_own_rays():
+    view, layout_ = prepare_trial(Trial(5, 4.0))
     intrinsics = Intrinsics.from_field_of_view(256, *FOV)
-    seen = DepthCamera(room.mounts[0], intrinsics).render(view.geoms)
+    image = DepthCamera(layout_.mounts[0], intrinsics).render(view.geoms)
     directions = rays(intrinsics)
     length = np.linalg.norm(directions, axis=2)
-    rows, columns = np.nonzero(seen.depth_m * length < 9.9)
-    part = slice(None, None, 7)
-    rows, columns = rows[part], columns[part]
+    rows, columns = np.nonzero(image.depth_m * length < 9.9)
+    rows = rows[::7]
+    columns = columns[::7]
     unit = directions[rows, columns] / length[rows, columns, None]
     distance, owner = first_hits(view._physics, np.ascontiguousarray(unit))
-    assert np.abs(seen.depth_m[rows, columns] * length[rows, columns] - distance).max() < 1e-6
-    assert (view.geoms.owner[seen.geom[rows, columns]] == owner).all()
+    assert np.abs(image.depth_m[rows, columns] * length[rows, columns] - distance).max() < 1e-6
+    assert (view.geoms.owner[image.geom[rows, columns]] == owner).all()
     assert set(owner) == {-1, 0, 1, 2}

@@ -14,7 +14,7 @@ from sjasim.humans.body.anatomy import Build
 from sjasim.humans.body.proportions import scaled_anatomy
 
 from ..humans.dancing import HZ, Floor, builds, walk_cue
-from ..sensors.raycast.reference_rays import hidden
+from ..sensors.raycast.reference_rays import occluded
 
 
 def floor(count: int = 1, seconds: float = 6.0, **options) -> Floor:
@@ -60,7 +60,7 @@ def test_what_is_hidden_agrees_with_single_rays():
     origin = np.array([0.3, 3.0, 1.0])
     points = rng.uniform([-1.5, -1.5, 0.05], [1.5, 1.5, 1.9], (400, 3))
     whose = rng.integers(0, 3, 400)
-    told = hidden(origin, points, whose, np.zeros(400), physics.solids)
+    told = occluded(origin, points, whose, np.zeros(400), physics.solids)
     groups = np.array([1, 1, 1, 0, 1, 1], dtype=np.uint8)
     for point, one in zip(points, told, strict=True):
         way = point - origin

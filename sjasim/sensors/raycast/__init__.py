@@ -1,5 +1,5 @@
-"""Rays against geometric primitives, compiled: what a camera sees, and what hides from an eye.
+"""Ray casting against geometric primitives: the depth camera's images and the occlusion of joints.
 
-Exact for planes, spheres, capsules, ellipsoids, cylinders and boxes; tests hold them against MuJoCo's own rays, which
-cost many times as much for a scene of this size.
+The kernels are compiled with Numba and exact for planes, spheres, capsules, ellipsoids, cylinders and boxes. The tests
+compare them with MuJoCo's own rays, which cost many times as much for a scene of this size.
 """

@@ -1,8 +1,9 @@
-"""Which points something hides from an eye, compiled.
+"""Occlusion test: which points a scene's geoms hide from a sensor. Compiled.
 
-Everything is looked at in the eye's own frame: x and y across, z away from it. A ray to a point is a pair of slopes
-there, x / z and y / z, and every solid has an outline: a rectangle of slopes that holds it, and how near it comes. A
-solid whose outline a ray misses, or that begins behind the point, cannot hide it; the others the ray is held against.
+All geometry is expressed in the sensor's frame: x and y across the image, z away from the sensor. The ray to a point
+is a pair of slopes, x / z and y / z. Every geom has a bounding rectangle of slopes and a nearest depth. A geom whose
+rectangle the ray misses, or which begins behind the point, cannot occlude it; only the remaining geoms are intersected
+with the ray.
 """
 
 from __future__ import annotations
@@ -10,160 +11,245 @@ from __future__ import annotations
 from math import inf, sqrt
 
 import numpy as np
-from numba import njit
 
 from ...core import Array, BoolArray, IntArray
+from ...core.compiled import compiled_inner
 from .primitives import BOX, CAPSULE, CYLINDER, ELLIPSOID, PLANE, ray_distance
 
-ROW, OWNER, FORM = 0, 1, 2
-"""Columns of the whole numbers of `types.Solids`."""
+ROW = 0
+"""Column of a geom's integers: its row in the arrays of positions and rotations."""
 
-BOX_M, BALL_M, SHAPE = 3, 6, 7
-"""Columns of their shapes after the size: half edges of a box, and the radius of a ball round each of its points."""
+OWNER = 1
+"""Column of a geom's integers: the dancer that it belongs to, or -1."""
 
-CENTRE, AXES, OUTLINE, PROJECTED_COLUMNS = 0, 3, 12, 17
-"""Columns of a solid as an eye has it: centre [m], rotation (eye from solid, row-major), then the outline."""
+FORM = 2
+"""Column of a geom's integers: MuJoCo's geom type."""
 
-LOW_X, HIGH_X, LOW_Y, HIGH_Y, NEAREST, OWN, NUMBERS = 0, 1, 2, 3, 4, 5, 6
-"""An outline's numbers: least and largest slopes, nearest depth [m]; and among a person's, whether it is their own."""
+BOX_M = 3
+"""First column of a bounding shape after the size: the half edges of a box [m]."""
 
-_SLACK_M = 1e-9
-"""Outlines are wider by this, whatever rounding does."""
+RADIUS_M = 6
+"""Column of a bounding shape: the radius of a sphere around each point of the box [m]."""
+
+SHAPE_COLUMNS = 7
+"""Number of columns of a bounding shape."""
+
+CENTRE = 0
+"""First column of a projected geom: its centre in the sensor's frame [m]."""
+
+AXES = 3
+"""First column of a projected geom: the rotation from geom to sensor, row-major."""
+
+BOUNDS = 12
+"""First column of a projected geom: its bounds, whose own columns follow."""
+
+PROJECTED_COLUMNS = 17
+"""Number of columns of a projected geom."""
+
+LOW_X = 0
+"""Column of bounds: smallest slope x / z."""
+
+HIGH_X = 1
+"""Column of bounds: largest slope x / z."""
+
+LOW_Y = 2
+"""Column of bounds: smallest slope y / z."""
+
+HIGH_Y = 3
+"""Column of bounds: largest slope y / z."""
+
+NEAREST = 4
+"""Column of bounds: nearest depth [m]."""
+
+IS_OWN = 5
+"""Column of a candidate: 1 if the geom belongs to the same dancer as the points, else 0; bounds stand before it."""
+
+CANDIDATE_COLUMNS = 6
+"""Number of columns of a candidate: a geom that may occlude one dancer's points."""
+
+_MARGIN_M = 1e-9
+"""Bounds are widened by this, so that rounding never excludes a geom."""
 
 
 def bounding_shapes(forms: IntArray, sizes: Array) -> Array:
-    """(G, `SHAPE`) sizes, and for each solid a box and a ball: it lies within the ball round some point of the box.
+    """Return the geoms' sizes and, for each, a box and a radius: the geom lies within the radius of some box point.
 
     Args:
-        forms: (G,) MuJoCo's numbers.
-        sizes: (G, 3) MuJoCo's sizes [m].
+        forms: (G,) MuJoCo's geom types.
+        sizes: (G, 3) MuJoCo's geom sizes [m].
+
+    Returns:
+        (G, `SHAPE_COLUMNS`) size, half edges and radius [m]; the radius of a plane is infinite.
     """
-    out = np.zeros((len(forms), SHAPE))
+    out = np.zeros((len(forms), SHAPE_COLUMNS))
     out[:, :BOX_M] = sizes
-    edged, long = np.isin(forms, (ELLIPSOID, BOX)), np.isin(forms, (CAPSULE, CYLINDER))
-    out[edged, BOX_M:BALL_M] = sizes[edged]
-    out[long, BALL_M - 1] = sizes[long, 1]
-    out[~edged, BALL_M] = sizes[~edged, 0]
-    out[forms == PLANE, BALL_M] = inf
+
+    boxed = np.isin(forms, (ELLIPSOID, BOX))
+    out[boxed, BOX_M:RADIUS_M] = sizes[boxed]
+    elongated = np.isin(forms, (CAPSULE, CYLINDER))
+    out[elongated, RADIUS_M - 1] = sizes[elongated, 1]
+
+    out[~boxed, RADIUS_M] = sizes[~boxed, 0]
+    out[forms == PLANE, RADIUS_M] = inf
     return out
 
 
-@njit(cache=True, error_model="numpy")
-def project_geoms(eye: Array, rows: IntArray, shape: Array, position: Array, rotation: Array, seen: Array) -> None:
-    """Write how an eye has every solid.
-
-    Args:
-        eye: (12,) or more: rotation from the world into its frame, row-major, and its place [m].
-        rows: of `types.Solids`, as the next three.
-        shape: sizes, and what bounds them.
-        position: centres in the world [m].
-        rotation: world from solid.
-        seen: (G, `COLUMNS`) output.
-    """
-    half = np.empty(3)
-    for g in range(len(rows)):
-        at = rows[g, ROW]
-        x, y, z = position[at, 0] - eye[9], position[at, 1] - eye[10], position[at, 2] - eye[11]
-        for i in range(3):
-            a, b, c = eye[3 * i], eye[3 * i + 1], eye[3 * i + 2]
-            seen[g, CENTRE + i] = a * x + b * y + c * z
-            half[i] = shape[g, BALL_M] + _SLACK_M
-            for j in range(3):
-                turn = a * rotation[at, j] + b * rotation[at, 3 + j] + c * rotation[at, 6 + j]
-                seen[g, AXES + 3 * i + j] = turn
-                half[i] += abs(turn) * shape[g, BOX_M + j]
-        _outline(seen, g, half)
-
-
-@njit(cache=True, error_model="numpy")
-def _outline(seen: Array, g: int, half: Array) -> None:
-    """Write the outline of what lies within half widths of its centre; endless if it reaches the eye's own plane."""
-    near, far = seen[g, CENTRE + 2] - half[2], seen[g, CENTRE + 2] + half[2]
-    seen[g, OUTLINE + NEAREST] = near if far > 0.0 else inf
-    for i in range(2):
-        low, high = -inf, inf
-        if near > 0.0:
-            low, high = seen[g, CENTRE + i] - half[i], seen[g, CENTRE + i] + half[i]
-            low, high = low / (far if low > 0.0 else near), high / (near if high > 0.0 else far)
-        seen[g, OUTLINE + 2 * i], seen[g, OUTLINE + 2 * i + 1] = low, high
-
-
-@njit(cache=True, error_model="numpy")
-def mark_occluded(
-    points: Array, owner: int, flesh_m: Array, rows: IntArray, shape: Array, seen: Array, visible: BoolArray
+@compiled_inner
+def project_geoms(
+    sensor: Array, rows: IntArray, shape: Array, position: Array, rotation: Array, projected: Array
 ) -> None:
-    """Clear the marks of those of one person's points that something hides.
+    """Write every geom's centre, axes and bounds in a sensor's frame.
 
     Args:
-        points: (N, 3) in the eye's frame; before it, where marked [m].
-        owner: whose they are.
-        flesh_m: (N,) how deep below its owner's surface a point may lie and still be seen.
-        rows: of `types.Solids`, as the next.
-        shape: sizes, and what bounds them.
-        seen: what `outlines` wrote.
-        visible: (N,) which points are looked for; cleared where one is hidden.
+        sensor: (12,) or more: rotation from the world into the sensor's frame, row-major, and its position [m].
+        rows: (G, 3) integers of the geoms: `ROW`, `OWNER`, `FORM`.
+        shape: (G, `SHAPE_COLUMNS`) from `bounding_shapes` [m].
+        position: (all, 3) centres in the world [m].
+        rotation: (all, 9) world from geom, row-major.
+        projected: (G, `PROJECTED_COLUMNS`) output.
     """
-    near, places = np.empty((len(rows), NUMBERS)), np.empty(len(rows), np.int64)
-    found = _before(points, visible, owner, rows, seen, near, places)
+    half = np.zeros(3)
+    for g in range(len(rows)):
+        row = rows[g, ROW]
+        x = position[row, 0] - sensor[9]
+        y = position[row, 1] - sensor[10]
+        z = position[row, 2] - sensor[11]
+
+        for i in range(3):
+            a = sensor[3 * i]
+            b = sensor[3 * i + 1]
+            c = sensor[3 * i + 2]
+            projected[g, CENTRE + i] = a * x + b * y + c * z
+
+            # Half extent of the rotated bounding box along this axis of the sensor.
+            half[i] = shape[g, RADIUS_M] + _MARGIN_M
+            for j in range(3):
+                entry = a * rotation[row, j] + b * rotation[row, 3 + j] + c * rotation[row, 6 + j]
+                projected[g, AXES + 3 * i + j] = entry
+                half[i] += abs(entry) * shape[g, BOX_M + j]
+
+        near = projected[g, CENTRE + 2] - half[2]
+        far = projected[g, CENTRE + 2] + half[2]
+        projected[g, BOUNDS + NEAREST] = near if far > 0.0 else inf
+
+        for i in range(2):
+            # The slopes of a geom that reaches the sensor's own plane are unbounded.
+            low = -inf
+            high = inf
+            if near > 0.0:
+                low = projected[g, CENTRE + i] - half[i]
+                high = projected[g, CENTRE + i] + half[i]
+                low = low / (far if low > 0.0 else near)
+                high = high / (near if high > 0.0 else far)
+            projected[g, BOUNDS + 2 * i] = low
+            projected[g, BOUNDS + 2 * i + 1] = high
+
+
+@compiled_inner
+def mark_occluded(
+    points: Array, owner: int, body_depth_m: Array, rows: IntArray, shape: Array, projected: Array, visible: BoolArray
+) -> None:
+    """Clear the marks of one dancer's points that a geom occludes.
+
+    Args:
+        points: (N, 3) in the sensor's frame, with z > 0 where marked [m].
+        owner: the dancer that the points belong to.
+        body_depth_m: (N,) how deep below the surface of its own body a point may lie and still count as visible [m].
+        rows: (G, 3) integers of the geoms.
+        shape: (G, `SHAPE_COLUMNS`) from `bounding_shapes` [m].
+        projected: (G, `PROJECTED_COLUMNS`) from `project_geoms`.
+        visible: (N,) the points to test; cleared in place where a point is occluded.
+    """
+    candidates = np.zeros((len(rows), CANDIDATE_COLUMNS))
+    geoms = np.zeros(len(rows), np.int64)
+    count = _select_candidates(points, visible, owner, rows, projected, candidates, geoms)
+
     for n in range(len(points)):
         if not visible[n]:
             continue
-        x, y, z = points[n, 0], points[n, 1], points[n, 2]
-        slope_x, slope_y = x / z, y / z
-        flesh = flesh_m[n] / sqrt(x * x + y * y + z * z)
-        for k in range(found):
-            across = (near[k, LOW_X] <= slope_x) & (slope_x <= near[k, HIGH_X])
-            across &= (near[k, LOW_Y] <= slope_y) & (slope_y <= near[k, HIGH_Y])
-            limit = 1.0 - near[k, OWN] * flesh
-            if across & (near[k, NEAREST] < limit * z):
-                g = places[k]
-                if _distance(rows[g, FORM], shape, seen, g, x, y, z) < limit:
+
+        x = points[n, 0]
+        y = points[n, 1]
+        z = points[n, 2]
+        slope_x = x / z
+        slope_y = y / z
+        body_share = body_depth_m[n] / sqrt(x * x + y * y + z * z)
+
+        for k in range(count):
+            # `&` instead of `and`: one branch per candidate is faster than four.
+            hit = (candidates[k, LOW_X] <= slope_x) & (slope_x <= candidates[k, HIGH_X])
+            hit &= (candidates[k, LOW_Y] <= slope_y) & (slope_y <= candidates[k, HIGH_Y])
+            # Distances are multiples of the vector to the point: the point itself is at 1.
+            limit = 1.0 - candidates[k, IS_OWN] * body_share
+            if hit & (candidates[k, NEAREST] < limit * z):
+                g = geoms[k]
+                if _distance_along(rows[g, FORM], shape, projected, g, x, y, z) < limit:
                     visible[n] = False
                     break
 
 
-@njit(cache=True, error_model="numpy")
-def _before(
-    points: Array, wanted: BoolArray, owner: int, rows: IntArray, seen: Array, near: Array, places: IntArray
+@compiled_inner
+def _select_candidates(
+    points: Array, tested: BoolArray, owner: int, rows: IntArray, projected: Array, candidates: Array, geoms: IntArray
 ) -> int:
-    """Write the outlines that reach before the rectangle of a person's points, and their places; returns how many."""
-    low_x = low_y = inf
-    high_x = high_y = deepest = -inf
+    """Write the geoms that may lie before a dancer's points; return how many.
+
+    A candidate overlaps the bounding rectangle of the tested points and begins before the deepest of them.
+    """
+    # Bounding rectangle of the points, in slopes, and their largest depth.
+    low_x = inf
+    low_y = inf
+    high_x = -inf
+    high_y = -inf
+    deepest = -inf
     for n in range(len(points)):
-        if wanted[n]:
-            x, y = points[n, 0] / points[n, 2], points[n, 1] / points[n, 2]
-            low_x, high_x, low_y, high_y = min(low_x, x), max(high_x, x), min(low_y, y), max(high_y, y)
+        if tested[n]:
+            x = points[n, 0] / points[n, 2]
+            y = points[n, 1] / points[n, 2]
+            low_x = min(low_x, x)
+            high_x = max(high_x, x)
+            low_y = min(low_y, y)
+            high_y = max(high_y, y)
             deepest = max(deepest, points[n, 2])
+
     found = 0
-    for g in range(len(seen)):
-        across = (seen[g, OUTLINE + LOW_X] <= high_x) & (low_x <= seen[g, OUTLINE + HIGH_X])
-        across &= (seen[g, OUTLINE + LOW_Y] <= high_y) & (low_y <= seen[g, OUTLINE + HIGH_Y])
-        if across & (seen[g, OUTLINE + NEAREST] < deepest):
-            if rows[g, FORM] == PLANE and _above(points, wanted, seen, g):
+    for g in range(len(projected)):
+        overlap = (projected[g, BOUNDS + LOW_X] <= high_x) & (low_x <= projected[g, BOUNDS + HIGH_X])
+        overlap &= (projected[g, BOUNDS + LOW_Y] <= high_y) & (low_y <= projected[g, BOUNDS + HIGH_Y])
+        if overlap & (projected[g, BOUNDS + NEAREST] < deepest):
+            # The floor has no bounds and would be a candidate in every frame, although all points are above it.
+            if rows[g, FORM] == PLANE and _all_in_front(points, tested, projected, g):
                 continue
-            for k in range(OWN):
-                near[found, k] = seen[g, OUTLINE + k]
-            near[found, OWN] = rows[g, OWNER] == owner
-            places[found] = g
+            for k in range(IS_OWN):
+                candidates[found, k] = projected[g, BOUNDS + k]
+            candidates[found, IS_OWN] = rows[g, OWNER] == owner
+            geoms[found] = g
             found += 1
     return found
 
 
-@njit(cache=True, error_model="numpy")
-def _above(points: Array, wanted: BoolArray, seen: Array, g: int) -> bool:
-    """Whether all wanted points are on a plane's front, where it hides none of them."""
-    x, y, z = seen[g, AXES + 2], seen[g, AXES + 5], seen[g, AXES + 8]
-    level = x * seen[g, CENTRE] + y * seen[g, CENTRE + 1] + z * seen[g, CENTRE + 2]
+@compiled_inner
+def _all_in_front(points: Array, tested: BoolArray, projected: Array, g: int) -> bool:
+    """Return whether all tested points lie in front of a plane, where it occludes none of them."""
+    x = projected[g, AXES + 2]
+    y = projected[g, AXES + 5]
+    z = projected[g, AXES + 8]
+    level = x * projected[g, CENTRE] + y * projected[g, CENTRE + 1] + z * projected[g, CENTRE + 2]
+
+    in_front = True
     for n in range(len(points)):
-        if wanted[n] and x * points[n, 0] + y * points[n, 1] + z * points[n, 2] < level:
-            return False
-    return True
+        if tested[n] and x * points[n, 0] + y * points[n, 1] + z * points[n, 2] < level:
+            in_front = False
+    return in_front
 
 
-@njit(cache=True, error_model="numpy")
-def _distance(form: int, shape: Array, seen: Array, g: int, x: float, y: float, z: float) -> float:
-    """Distance to a solid along a vector from the eye, in multiples of it."""
-    a, b, c, r = seen[g, CENTRE], seen[g, CENTRE + 1], seen[g, CENTRE + 2], seen[g, AXES : AXES + 9]
+@compiled_inner
+def _distance_along(form: int, shape: Array, projected: Array, g: int, x: float, y: float, z: float) -> float:
+    """Return the distance to a geom along a vector from the sensor, as a multiple of this vector."""
+    a = projected[g, CENTRE]
+    b = projected[g, CENTRE + 1]
+    c = projected[g, CENTRE + 2]
+    r = projected[g, AXES : AXES + 9]
     return float(
         ray_distance(
             form, shape[g], -(r[0] * a + r[3] * b + r[6] * c), -(r[1] * a + r[4] * b + r[7] * c),

@@ -1,1 +1,1 @@
-"""Skeletons from depth images."""
+"""Skeleton estimation from depth images: segmentation, joint voting by a random forest, and tracking over time."""

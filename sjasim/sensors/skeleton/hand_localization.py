@@ -1,9 +1,9 @@
-"""Hands by their own surface, where the leaves' votes are few or muddled.
+"""Localization of hands by their own surface, where the votes for them are few or ambiguous.
 
-A hand shows few pixels, so few votes; hands that meet show each half of themselves, and either looks like the other.
-But what lies well before the trunk is an arm's. So a hand is in sight if there is surface about the place where votes
-or the last frames have it, and hands that are close are told apart by the points that are nearer to the one or the
-other, as they were a frame ago.
+A hand covers few pixels and therefore gets few votes. Hands that meet show only half of themselves each, and either
+half looks like the other hand. But surface well in front of the trunk belongs to an arm. So a hand is visible if there
+is surface around the place where votes or the last frame have it, and two hands that are close are separated by
+assigning each point to the nearer one, starting from where they were in the last frame.
 """
 
 from __future__ import annotations
@@ -11,122 +11,170 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from ...core import Array
-from ...core.memory import put
+from ...core.compiled import compiled_entry, compiled_inner
 from ..depth_camera import Intrinsics
-from .person_tracking import HAND_JOINTS, closer_than
+from .foreground import Foreground, Image, Owners, Points
+from .joint_groups import HAND_JOINTS, PALMS
+from .point_kernels import closer_than
 from .posture_prior import JointMask
-from .segmentation import Foreground, Image, Owners, Points
 
 AHEAD_M = 0.15
-"""So far before the trunk, surface is an arm's (assumed)."""
-ABOUT_M, LEAST_M2 = 0.06, 0.002
-"""So much surface within this distance of a hand's joint is the hand's: 40 % of a fist's (assumed)."""
-SAME_M = 0.15
-"""Few votes that are farther from where the hand is expected found another surface (measured: nine in ten of those
-nearer are right to 6 cm)."""
-PART_M, MET_M = 0.24, 0.05
-"""Hands between so close and so close are told apart by their points; closer ones show a single surface (assumed)."""
-MINE_M, STEPS, LEAST_POINTS = 0.07, 2, 3
-"""Points so near a hand may be its own; how often they are shared out, and the fewest that are a hand (assumed)."""
-DEEP_M = 0.03
-"""A hand's middle is so far behind that of its visible surface (assumed)."""
+"""Surface that is farther than this in front of the trunk belongs to an arm (assumed)."""
+
+SURFACE_RADIUS_M = 0.06
+"""Distance from a hand's joint within which surface belongs to the hand (assumed)."""
+
+MIN_SURFACE_M2 = 0.002
+"""Least surface within `SURFACE_RADIUS_M` that shows a hand: 40 % of a fist (assumed)."""
+
+EXPECTED_M = 0.15
+"""Few votes that are farther than this from where the hand is expected have found another surface.
+
+Measured: of the nearer ones nine in ten are right to within 6 cm.
+"""
+
+MAX_SEPARATION_M = 0.24
+"""Hands farther apart than this need no separation by their points (assumed)."""
+
+MIN_SEPARATION_M = 0.05
+"""Hands closer than this show a single surface, which cannot be separated (assumed)."""
+
+POINT_RADIUS_M = 0.07
+"""Points within this distance of a hand may belong to it (assumed)."""
+
+ITERATIONS = 2
+"""How often the points are assigned and the hands moved to their means (assumed)."""
+
+MIN_POINTS = 3
+"""Fewest points that make a hand (assumed)."""
+
+HAND_DEPTH_M = 0.03
+"""Distance from the middle of a hand's visible surface back to the middle of the hand (assumed)."""
 
 ImageProjection = tuple[float, float, float, float, float]
-"""Focal lengths and middle in pixels of `segmentation.Foreground.image`, and the sensor's height [m]."""
-PALMS = HAND_JOINTS[1]
-"""(2,) left and right."""
+"""Focal lengths and middle in pixels of `foreground.Foreground.image`, and the sensor's height [m]."""
+
+_HAND_INDICES = HAND_JOINTS.ravel()
 
 
 def image_projection(intrinsics: Intrinsics, height_m: float) -> ImageProjection:
-    """How points meet the pixels of a scene's image, which has a rim."""
-    middle_u, middle_v = (intrinsics.width + 1) / 2.0, (intrinsics.height + 1) / 2.0
+    """Return how points project into a foreground's image, which has a border of one pixel."""
+    middle_u = (intrinsics.width + 1) / 2.0
+    middle_v = (intrinsics.height + 1) / 2.0
     return intrinsics.fx, intrinsics.fy, middle_u, middle_v, height_m
 
 
-@njit(cache=True, error_model="numpy")
-def visible_surface_m2(image: Image, image_projection: ImageProjection, place: Array, about_m: float) -> float:
-    """How much surface there is within a distance of a point (3,) [m^2]; 0 for a point out of the picture."""
-    fx, fy, middle_u, middle_v, height_m = image_projection
-    x, y, z = place[0], place[1] - height_m, place[2]
-    if not z > about_m:
+@compiled_inner
+def visible_surface_m2(image: Image, projection: ImageProjection, point: Array, radius_m: float) -> float:
+    """Return the visible surface within a radius of a point (3,) [m^2]; 0 outside of the image or for NaN."""
+    fx, fy, middle_u, middle_v, height_m = projection
+    x = point[0]
+    y = point[1] - height_m
+    z = point[2]
+    if not z > radius_m:
         return 0.0
-    u, v, wide, high = middle_u + fx * x / z, middle_v - fy * y / z, fx * about_m / z, fy * about_m / z
+
+    u = middle_u + fx * x / z
+    v = middle_v - fy * y / z
+    radius_u = fx * radius_m / z
+    radius_v = fy * radius_m / z
+
     count = 0
-    for row in range(max(math.ceil(v - high), 1), min(math.floor(v + high), image.shape[0] - 2) + 1):
-        for column in range(max(math.ceil(u - wide), 1), min(math.floor(u + wide), image.shape[1] - 2) + 1):
+    for row in range(max(math.ceil(v - radius_v), 1), min(math.floor(v + radius_v), image.shape[0] - 2) + 1):
+        for column in range(max(math.ceil(u - radius_u), 1), min(math.floor(u + radius_u), image.shape[1] - 2) + 1):
             depth = 0.001 * image[row, column]
-            across, up = (column - middle_u) / fx * depth - x, (middle_v - row) / fy * depth - y
-            count += across * across + up * up + (depth - z) ** 2 < about_m * about_m
+            off_x = (column - middle_u) / fx * depth - x
+            off_y = (middle_v - row) / fy * depth - y
+            count += off_x * off_x + off_y * off_y + (depth - z) ** 2 < radius_m * radius_m
     return float(count * z * z / (fx * fy))
 
 
-@njit(cache=True, error_model="numpy")
-def _share(point: Points, owner: Owners, who: int, ahead_m: float, reach_m: float, fists: Array) -> bool:
-    """Move two places (2, 3) on a person's surface to the middles of the points nearer to the one or the other."""
-    sums, many = np.zeros((2, 3)), np.zeros(2)
-    for i in range(len(point)):
-        if owner[i] != who or point[i, 2] > ahead_m:
-            continue
-        best, mine = reach_m * reach_m, -1
-        for f in range(2):
-            x, y, z = point[i, 0] - fists[f, 0], point[i, 1] - fists[f, 1], point[i, 2] - fists[f, 2]
-            square = x * x + y * y + z * z
-            if square < best:
-                best, mine = square, f
-        if mine >= 0:
-            many[mine] += 1.0
-            for c in range(3):
-                sums[mine, c] += point[i, c]
-    if many.min() < LEAST_POINTS:
-        return False
-    for f in range(2):
-        put(fists[f], sums[f] / many[f])
-    return True
-
-
-@njit(cache=True, error_model="numpy")
-def _part(
-    point: Points, owner: Owners, who: int, ahead_m: float, scale: float, prior: Array, joints: Array
+@compiled_inner
+def _separate_hands(
+    point: Points, owner: Owners, person: int, ahead_m: float, scale: float, prior: Array, joints: Array
 ) -> None:  # fmt: skip
-    """Tell a person's hands apart that are close and have not met."""
-    left, right = prior[PALMS[0]], prior[PALMS[1]]
-    if not closer_than(left, right, PART_M * scale) or closer_than(left, right, MET_M * scale):
+    """Move a person's hands (25, 3) to their own surfaces if they are close but do not touch.
+
+    Nothing is changed if either hand lacks points.
+    """
+    left = prior[PALMS[0]]
+    right = prior[PALMS[1]]
+    if not closer_than(left, right, MAX_SEPARATION_M * scale) or closer_than(left, right, MIN_SEPARATION_M * scale):
         return
     if left[2] > ahead_m or right[2] > ahead_m:
         return
-    fists = prior[PALMS]
-    for f in range(2):
-        fists[f, 2] -= DEEP_M * scale
-    for _ in range(STEPS):
-        if not _share(point, owner, who, ahead_m, MINE_M * scale, fists):
+
+    hands = np.zeros((2, 3))
+    for side in range(2):
+        for c in range(3):
+            hands[side, c] = prior[PALMS[side], c]
+        hands[side, 2] -= HAND_DEPTH_M * scale
+
+    # Two steps of 2-means clustering, started from the predicted hands.
+    reach_m = POINT_RADIUS_M * scale
+    sums = np.zeros((2, 3))
+    counts = np.zeros(2)
+    for _ in range(ITERATIONS):
+        for side in range(2):
+            counts[side] = 0.0
+            for c in range(3):
+                sums[side, c] = 0.0
+
+        for i in range(len(point)):
+            if owner[i] != person or point[i, 2] > ahead_m:
+                continue
+            best = reach_m * reach_m
+            nearest = -1
+            for side in range(2):
+                x = point[i, 0] - hands[side, 0]
+                y = point[i, 1] - hands[side, 1]
+                z = point[i, 2] - hands[side, 2]
+                square = x * x + y * y + z * z
+                if square < best:
+                    best = square
+                    nearest = side
+            if nearest >= 0:
+                counts[nearest] += 1.0
+                for c in range(3):
+                    sums[nearest, c] += point[i, c]
+
+        # One hand hides the other: there is nothing to separate.
+        if min(counts[0], counts[1]) < MIN_POINTS:
             return
-    for f in range(2):
-        put(joints[PALMS[f]], fists[f])
-        joints[PALMS[f], 2] += DEEP_M * scale
+        for side in range(2):
+            for c in range(3):
+                hands[side, c] = sums[side, c] / counts[side]
+
+    for side in range(2):
+        for c in range(3):
+            joints[PALMS[side], c] = hands[side, c]
+        joints[PALMS[side], 2] += HAND_DEPTH_M * scale
 
 
-@njit(cache=True, error_model="numpy")
-def _settle(
-    image: Image, image_projection: ImageProjection, point: Points, owner: Owners, trunk_m: Array, scales: Array, prior: Array, joints: Array,
-    seen: JointMask,
+@compiled_entry
+def _localize(
+    image: Image, projection: ImageProjection, point: Points, owner: Owners, trunk_m: Array, scales: Array,
+    prior: Array, joints: Array, seen: JointMask,
 ) -> None:  # fmt: skip
+    """Write ``joints`` and ``seen``; see `localize_hands`."""
     for k in range(len(joints)):
-        scale, ahead_m = scales[k], trunk_m[k] - AHEAD_M * scales[k]
-        _part(point, owner, k, ahead_m, scale, prior[k], joints[k])
-        for j in HAND_JOINTS.ravel():
-            if not seen[k, j] and joints[k, j, 2] < ahead_m and closer_than(joints[k, j], prior[k, j], SAME_M * scale):
-                seen[k, j] = (
-                    visible_surface_m2(image, image_projection, joints[k, j], ABOUT_M * scale)
-                    > LEAST_M2 * scale * scale
-                )
+        scale = scales[k]
+        # Only surface well in front of the trunk can be a hand's.
+        ahead_m = trunk_m[k] - AHEAD_M * scales[k]
+        _separate_hands(point, owner, k, ahead_m, scale, prior[k], joints[k])
+
+        for j in _HAND_INDICES:
+            candidate = not seen[k, j] and joints[k, j, 2] < ahead_m
+            if candidate and closer_than(joints[k, j], prior[k, j], EXPECTED_M * scale):
+                surface_m2 = visible_surface_m2(image, projection, joints[k, j], SURFACE_RADIUS_M * scale)
+                seen[k, j] = surface_m2 > MIN_SURFACE_M2 * scale * scale
 
 
 def localize_hands(
-    scene: Foreground,
-    image_projection: ImageProjection,
+    foreground: Foreground,
+    projection: ImageProjection,
     trunk_m: Array,
     scales: Array,
     prior: Array,
@@ -136,15 +184,16 @@ def localize_hands(
     """Correct the hands of all persons by their surface.
 
     Args:
-        scene: with owners.
-        lens: of the scene's image.
+        foreground: points with owners.
+        projection: of the foreground's image.
         trunk_m: (P,) depths of the trunks.
-        scales: (P,) statures over 1.75 m.
+        scales: (P,) statures over that of the model's person.
         prior: (P, 25, 3) predicted joints, NaN where nothing is known [m].
-        joints: (P, 25, 3) where votes agree; those of hands that are close are changed [m].
-        seen: (P, 25) which joints are supported; those of hands that show surface are added.
+        joints: (P, 25, 3) joints by the votes [m]; those of hands that are close are changed.
+        seen: (P, 25) which joints are supported; those of hands with enough surface are added.
     """
-    points = slice(scene.count)
-    _settle(
-        scene.image, image_projection, scene.point[points], scene.owner[points], trunk_m, scales, prior, joints, seen
-    )
+    used = slice(foreground.count)
+    _localize(
+        foreground.image, projection, foreground.point[used], foreground.owner[used], trunk_m, scales, prior, joints,
+        seen,
+    )  # fmt: skip

@@ -1,10 +1,10 @@
-"""A person's joints from one frame to the next: how far each goes from its prediction to where it is seen.
+"""Temporal filter of a person's joints: from their prediction towards where they are found in this frame.
 
-The trunk moves as one, and each of its joints a little on its own; what is shorter than the votes' noise is mostly
-that. Who stands still is smoothed, and who begins to walk is followed at once.
+The trunk moves as one, and each of its joints a little on its own; what is smaller than the votes' noise is mostly
+noise. A person who stands still is smoothed, and one who begins to walk is followed at once.
 
-Source: casiez2012 (a low-pass filter that is slow at rest and fast in motion); unlike there, the way to go decides,
-not the speed, since walks are predicted.
+Source: casiez2012 (1 Euro filter: a low-pass filter that is slow at rest and fast in motion). Unlike there, the
+distance from the prediction sets the gain and not the speed, since walking is predicted.
 """
 
 from __future__ import annotations
@@ -12,110 +12,148 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from ...assets.names import JOINT_INDEX, JOINTS
+from ...assets.names import JOINTS
 from ...core import INFERRED, TRACKED, Array
-from ...core.memory import put
-from .posture_prior import TRUNK, JointMask
+from ...core.compiled import compiled_entry, compiled_inner
+from .joint_groups import HEAD, TRUNK
+from .posture_prior import JointMask
 
-RELAX_S = 0.10
-"""Time constant with which a hidden joint goes where the rest of the posture says (assumed)."""
-SETTLE_TRUNK_S, SETTLE_LIMB_S = 0.40, 0.02
-"""Time constants with which a joint that comes back into sight goes where it is seen: a trunk that jumped would look
-like a step (assumed)."""
-SETTLED_M = 0.03
-"""A joint that comes back is tracked once it is this near to where it is seen (assumed)."""
-CLOSE_M = 0.002
-"""Nearer than this, it is there."""
-COMMON_S, SIDEWAYS = 0.04, 0.75
-"""Time constant with which the trunk leaves its predicted motion; at constant speed this is no delay. Along the view
-it is longer by up to so many times for who stands sideways: fewer votes, and no event to be early for (assumed)."""
-OWN_S, SPIN_RAD_S = 0.30, 0.4
-"""Time constant with which a joint of the trunk leaves the motion that all of the trunk has in common, which shakes
-less than each: shorter the faster the person turns, by this rate (assumed)."""
-COMMON_M, OWN_M, REST = 0.004, 0.010, 0.2
-"""At these ways to go, along one axis, the two time constants count half as much as at long ones; at the shortest,
-only this share (assumed)."""
-FRESH = -1
-"""State of a joint that has just become known."""
+HIDDEN_S = 0.10
+"""Time constant with which a hidden joint approaches its place in the estimated posture (assumed)."""
 
-_TRUNK = np.zeros(len(JOINTS), dtype=np.bool_)
-_TRUNK[[*TRUNK, JOINT_INDEX["Head"]]] = True
-_STEADY = np.zeros(len(JOINTS), dtype=np.bool_)
-_STEADY[TRUNK] = True
+REAPPEAR_TRUNK_S = 0.40
+"""Time constant with which a trunk joint that reappears approaches where it is found (assumed).
+
+It is long because a trunk that jumped would look like a step.
+"""
+
+REAPPEAR_LIMB_S = 0.02
+"""The same for a joint of a limb (assumed)."""
+
+REAPPEARED_M = 0.03
+"""A joint that reappears is tracked once it is this near to where it is found (assumed)."""
+
+NEGLIGIBLE_M = 0.002
+"""A remaining distance below this counts as none (assumed)."""
+
+COMMON_S = 0.04
+"""Time constant with which the trunk leaves its predicted motion; at constant speed it causes no delay (assumed)."""
+
+SIDEWAYS = 0.75
+"""By how much `COMMON_S` grows along the view, as a factor, for a person who stands sideways (assumed).
+
+Such a person gets fewer votes along the view and shows no event there that must be detected early.
+"""
+
+OWN_S = 0.30
+"""Time constant with which a trunk joint leaves the motion of the whole trunk, which is less noisy (assumed)."""
+
+SPIN_RAD_S = 0.4
+"""Turning rate at which `OWN_S` is halved: joints of a turning trunk move relative to each other (assumed)."""
+
+COMMON_M = 0.004
+"""Distance along one axis at which the gain of `COMMON_S` has half of its range (assumed)."""
+
+OWN_M = 0.010
+"""The same for `OWN_S` (assumed)."""
+
+REST_GAIN = 0.2
+"""Share of a gain that remains at the smallest distances (assumed)."""
+
+NEW = -1
+"""State of a joint that was not known before this frame."""
+
+_IN_TRUNK = np.zeros(len(JOINTS), dtype=np.bool_)
+_IN_TRUNK[TRUNK] = True
+_REAPPEARS_SLOWLY = _IN_TRUNK.copy()
+_REAPPEARS_SLOWLY[HEAD] = True
 
 
-@njit(cache=True)
-def _blend(interval_s: float, constant_s: float) -> float:
+@compiled_inner
+def _gain(interval_s: float, constant_s: float) -> float:
+    """Return the gain of a first-order low-pass filter."""
     return 1.0 - math.exp(-interval_s / constant_s)
 
 
-@njit(cache=True)
-def _sure(off_m: float, noise_m: float) -> float:
-    """Share of a gain that a way to go deserves."""
-    return REST + (1.0 - REST) * off_m * off_m / (off_m * off_m + noise_m * noise_m)
+@compiled_inner
+def _signal_share(distance_m: float, noise_m: float) -> float:
+    """Return the share of a gain that a distance gets: `REST_GAIN` for one far below the noise, 1 for a large one."""
+    return REST_GAIN + (1.0 - REST_GAIN) * distance_m * distance_m / (distance_m * distance_m + noise_m * noise_m)
 
 
-@njit(cache=True)
-def _common(moved: Array, yaw_rad: float, interval_s: float) -> Array:
-    """(3,) how far the trunk leaves its predicted motion; ``moved`` is what its joints' mean says of that."""
-    common = np.empty(3)
-    for c in range(3):
-        sideways = SIDEWAYS * math.sin(yaw_rad) ** 2 if c == 2 else 0.0
-        common[c] = _blend(interval_s, COMMON_S * (1.0 + sideways)) * _sure(moved[c], COMMON_M) * moved[c]
-    return common
-
-
-@njit(cache=True)
+@compiled_entry
 def filter_joints(
-    found: Array, seen: JointMask, likely: Array, yaw_rad: float, spin_rad_s: float, interval_s: float, joints: Array,
-    state: NDArray[np.int8], carry: Array,
+    found: Array, seen: JointMask, posture: Array, yaw_rad: float, spin_rad_s: float, interval_s: float, joints: Array,
+    state: NDArray[np.int8], offset: Array,
 ) -> None:  # fmt: skip
-    """Move a person's joints on from their predictions.
+    """Move a person's joints from their predictions to this frame's estimates.
 
     Args:
-        found: (25, 3) where votes agree [m].
+        found: (25, 3) joints by the votes [m].
         seen: (25,) which of them count.
-        likely: (25, 3) by the posture as a whole [m].
+        posture: (25, 3) joints by the estimated posture as a whole [m].
         yaw_rad: heading relative to facing the sensor.
         spin_rad_s: its rate.
-        interval_s: since the last frame.
-        joints: (25, 3) predicted, and afterwards taken in [m].
-        state: (25,) of the last frame, and afterwards of this one.
-        carry: (25, 3) what is left of the ways of joints that came back into sight [m].
+        interval_s: time since the last frame.
+        joints: (25, 3) predicted joints [m]; replaced by the estimates.
+        state: (25,) states at the last frame; replaced by those at this frame.
+        offset: (25, 3) how far a joint that reappeared still is from where it is found [m]; updated.
     """
     for j in range(len(joints)):
         if math.isnan(joints[j, 0]):
-            put(joints[j], likely[j])
-            state[j] = FRESH
-    moved, steady = np.zeros(3), 0
+            for c in range(3):
+                joints[j, c] = posture[j, c]
+            state[j] = NEW
+
+    # Mean motion of the trunk relative to its prediction; along the view (c = 2) a sideways person is smoothed more.
+    moved = np.zeros(3)
+    count = 0
     for j in TRUNK:
         if seen[j] and state[j] == TRACKED:
-            moved += found[j] - joints[j]
-            steady += 1
-    moved /= max(steady, 1)
-    common = _common(moved, yaw_rad, interval_s)
-    own = _blend(interval_s, OWN_S / (1.0 + (spin_rad_s / SPIN_RAD_S) ** 2))
-    relaxed = _blend(interval_s, RELAX_S)
+            for c in range(3):
+                moved[c] += found[j, c] - joints[j, c]
+            count += 1
+    common = np.zeros(3)
+    for c in range(3):
+        moved[c] /= max(count, 1)
+        sideways = SIDEWAYS * math.sin(yaw_rad) ** 2 if c == 2 else 0.0
+        common[c] = _gain(interval_s, COMMON_S * (1.0 + sideways)) * _signal_share(moved[c], COMMON_M) * moved[c]
+
+    own_gain = _gain(interval_s, OWN_S / (1.0 + (spin_rad_s / SPIN_RAD_S) ** 2))
+    hidden_gain = _gain(interval_s, HIDDEN_S)
+    before = np.zeros(3)
     for j in range(len(joints)):
-        before, after = joints[j], joints[j] + moved + relaxed * (likely[j] - joints[j] - moved)
+        for c in range(3):
+            before[c] = joints[j, c]
+
         if not seen[j]:
-            carry[j] = 0.0
-            put(joints[j], after)
+            for c in range(3):
+                offset[j, c] = 0.0
+                joints[j, c] = before[c] + moved[c] + hidden_gain * (posture[j, c] - before[c] - moved[c])
             state[j] = INFERRED
             continue
-        if state[j] < TRACKED and state[j] != FRESH and not carry[j].any():
-            put(carry[j], before + moved - found[j])
-        put(carry[j], carry[j] * math.exp(-interval_s / (SETTLE_TRUNK_S if _TRUNK[j] else SETTLE_LIMB_S)))
-        off = np.abs(carry[j]).max()
-        if off < CLOSE_M:
-            carry[j] = 0.0
-        here = found[j] + carry[j]
-        if state[j] == TRACKED and _STEADY[j]:
+
+        # A joint that reappears keeps its place and approaches the found one step by step.
+        settled = offset[j, 0] == 0.0 and offset[j, 1] == 0.0 and offset[j, 2] == 0.0
+        if state[j] < TRACKED and state[j] != NEW and settled:
             for c in range(3):
+                offset[j, c] = before[c] + moved[c] - found[j, c]
+        decay = math.exp(-interval_s / (REAPPEAR_TRUNK_S if _REAPPEARS_SLOWLY[j] else REAPPEAR_LIMB_S))
+        remaining = 0.0
+        for c in range(3):
+            offset[j, c] = offset[j, c] * decay
+            remaining = max(remaining, abs(offset[j, c]))
+        if remaining < NEGLIGIBLE_M:
+            for c in range(3):
+                offset[j, c] = 0.0
+
+        for c in range(3):
+            here = found[j, c] + offset[j, c]
+            # What a trunk joint does beyond the common motion is mostly noise.
+            if state[j] == TRACKED and _IN_TRUNK[j]:
                 along = before[c] + common[c]
-                here[c] = along + own * _sure(here[c] - along, OWN_M) * (here[c] - along)
-        put(joints[j], here)
-        state[j] = TRACKED if off < SETTLED_M else INFERRED
+                here = along + own_gain * _signal_share(here - along, OWN_M) * (here - along)
+            joints[j, c] = here
+        state[j] = TRACKED if remaining < REAPPEARED_M else INFERRED

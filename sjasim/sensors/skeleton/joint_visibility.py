@@ -1,103 +1,150 @@
-"""Whether a depth image shows a limb where it is believed to be.
+"""Visibility of joints: whether a depth image shows a person's own surface where a joint is estimated.
 
-Who stands sideways shows few pixels of the far limb, too few to vote, although the posture puts it where it is; and
-votes may agree on a limb that something hides, or that has left. The image tells: there is flesh about the joint,
-just before it, or something else covers it, or the sensor looks through where it should be. Joints of a trunk may be
-covered, too: the rest of the body tells where they are, but not to the centimetre by which people seem to move.
+Two cases need this check. A limb on the far side of a person who stands sideways shows few pixels, too few to vote,
+although the estimated posture puts it in the right place. And votes may agree on a limb that something occludes, or
+that has left. The image tells them apart: there is surface at the joint or just in front of it, or something else
+covers it, or there is free space. Trunk joints may be occluded as well: the rest of the body tells where they are, but
+not to the centimetre by which people seem to move.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from ...assets.names import JOINTS
-from ...core import Array, IntArray
+from ...core import Array
+from ...core.compiled import compiled_entry, compiled_inner
 from ..depth_camera import Intrinsics
-from .posture_prior import TRUNK
-from .segmentation import Image
+from .foreground import Image
+from .joint_groups import LIMBS, TRUNK
 
-LIMBS = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb", "Knee", "Ankle", "Foot")) for name in JOINTS])
-"""(25,) which joints are a limb's: thin, so that their own surface is near them whichever way somebody stands."""
-AROUND_M, MIDDLE_M = 0.065, 0.02
-"""Radius in which a joint's surface is looked for, the error of a good guess; and of what covers the joint itself
-(assumed)."""
-BEFORE_M, BEHIND_M = 0.12, 0.03
-"""Surface up to so far before a joint, and so far behind it, may be its own (assumed)."""
-ENOUGH = 0.03
-"""Share of the surface that has to be there for a joint to be shown (measured: of joints that lack votes but are
-shown, 99 in 100 of those visible are within 15 cm; of joints with votes of which there is nothing, two in three)."""
-COVERED = 0.8
-"""A joint of whose middle more than this share is covered is hidden (measured: so are 98 in 100 of those)."""
-ARMS_M = 0.40
-"""What is farther before a joint of the trunk than this is somebody else's: no own arm reaches so far (assumed)."""
-OCCLUDED, VISIBLE = -1, 1
+SEARCH_RADIUS_M = 0.065
+"""Radius around a joint in which its surface is searched: the error of a good estimate (assumed)."""
+
+CORE_RADIUS_M = 0.02
+"""Radius around a joint in which a covering surface occludes it (assumed)."""
+
+BEFORE_M = 0.12
+"""Surface up to this far in front of a joint may be the joint's own (assumed)."""
+
+BEHIND_M = 0.03
+"""Surface up to this far behind a joint may be the joint's own (assumed)."""
+
+MIN_OWN_SHARE = 0.03
+"""Share of the pixels that must show own surface for a joint to be visible.
+
+Measured: of joints without enough votes but with this share, 99 in 100 of the visible ones are within 15 cm; of joints
+with votes but no such surface, two in three are wrong.
+"""
+
+MAX_COVERED_SHARE = 0.8
+"""A joint of whose core more than this share is covered is occluded (measured: 98 in 100 of those are)."""
+
+ARM_REACH_M = 0.40
+"""What is farther than this in front of a trunk joint belongs to somebody else: no own arm reaches there (assumed)."""
+
+OCCLUDED = -1
+"""Verdict on a joint that something covers, or where there is none of its surface."""
+
+UNDECIDED = 0
+"""Verdict on a joint for which the image does not tell."""
+
+VISIBLE = 1
+"""Verdict on a joint with surface where its own would be."""
 
 
-@njit(cache=True, error_model="numpy")
-def _look(
-    image: Image, u: int, v: int, radius: int, middle: int, near_mm: float, far_mm: float
+@compiled_inner
+def _classify_limb(
+    image: Image, u: int, v: int, radius: int, core: int, near_mm: float, far_mm: float
 ) -> int:  # fmt: skip
-    """`HIDDEN`, 0 or `SHOWN`, of what lies around a pixel."""
-    rows, columns = image.shape[0] - 2, image.shape[1] - 2
-    seen = there = inner = covered = 0
-    for b in range(max(v - radius, 0), min(v + radius + 1, rows)):
-        for a in range(max(u - radius, 0), min(u + radius + 1, columns)):
-            away = (a - u) ** 2 + (b - v) ** 2
-            if away > radius * radius:
+    """Return the verdict on a limb's joint from the pixels around it.
+
+    Args:
+        image: (H + 2, W + 2) depth with a border [mm].
+        u: the joint's column, without the border.
+        v: the joint's row, without the border.
+        radius: radius of the tested pixels.
+        core: radius of the pixels that must not be covered.
+        near_mm: nearest depth of own surface.
+        far_mm: farthest depth of own surface.
+    """
+    rows = image.shape[0] - 2
+    columns = image.shape[1] - 2
+    pixels = 0
+    own = 0
+    core_pixels = 0
+    covered = 0
+    for row in range(max(v - radius, 0), min(v + radius + 1, rows)):
+        for column in range(max(u - radius, 0), min(u + radius + 1, columns)):
+            square = (column - u) ** 2 + (row - v) ** 2
+            if square > radius * radius:
                 continue
-            depth = image[b + 1, a + 1]
-            seen += 1
-            there += near_mm <= depth < far_mm
-            if away <= middle * middle:
-                inner += 1
+            depth = image[row + 1, column + 1]
+            pixels += 1
+            own += near_mm <= depth < far_mm
+            if square <= core * core:
+                core_pixels += 1
                 covered += depth < near_mm
-    if there == 0 or covered > COVERED * inner:
+
+    if own == 0 or covered > MAX_COVERED_SHARE * core_pixels:
         return OCCLUDED
-    return VISIBLE if there > ENOUGH * seen else 0
+    return VISIBLE if own > MIN_OWN_SHARE * pixels else UNDECIDED
 
 
-@njit(cache=True, error_model="numpy")
-def _shown(
-    image: Image, fx: float, fy: float, height_m: float, joints: Array, scales: Array, limbs: IntArray,
-    trunk: IntArray, out: NDArray[np.int8],
+@compiled_entry
+def _classify(
+    image: Image, fx: float, fy: float, height_m: float, joints: Array, scales: Array, out: NDArray[np.int8]
 ) -> None:  # fmt: skip
-    middle_v, middle_u = (image.shape[0] - 3) / 2, (image.shape[1] - 3) / 2
+    """Write ``out``, which holds zeros before; see `joint_visibility`."""
+    middle_v = (image.shape[0] - 3) / 2
+    middle_u = (image.shape[1] - 3) / 2
     for k in range(len(joints)):
-        for j in limbs:
-            x, y, z = joints[k, j]
+        for j in LIMBS:
+            x = joints[k, j, 0]
+            y = joints[k, j, 1]
+            z = joints[k, j, 2]
             if not z > 0.0:
                 continue
-            u, v = round(middle_u + fx * x / z), round(middle_v - fy * (y - height_m) / z)
+            u = round(middle_u + fx * x / z)
+            v = round(middle_v - fy * (y - height_m) / z)
+
+            # Radii and depths that belong to a joint grow with the person.
             per_m = scales[k] * fx / z
-            near_mm, far_mm = 1000.0 * (z - BEFORE_M * scales[k]), 1000.0 * (z + BEHIND_M * scales[k])
-            out[k, j] = _look(image, u, v, round(AROUND_M * per_m), round(MIDDLE_M * per_m), near_mm, far_mm)
-        for j in trunk:
-            x, y, z = joints[k, j]
+            near_mm = 1000.0 * (z - BEFORE_M * scales[k])
+            far_mm = 1000.0 * (z + BEHIND_M * scales[k])
+            radius = round(SEARCH_RADIUS_M * per_m)
+            core = round(CORE_RADIUS_M * per_m)
+            out[k, j] = _classify_limb(image, u, v, radius, core, near_mm, far_mm)
+
+        for j in TRUNK:
+            x = joints[k, j, 0]
+            y = joints[k, j, 1]
+            z = joints[k, j, 2]
             if not z > 0.0:
                 continue
-            u, v = round(middle_u + fx * x / z), round(middle_v - fy * (y - height_m) / z)
-            if 0 <= u <= 2.0 * middle_u and 0 <= v <= 2.0 * middle_v:
-                out[k, j] = OCCLUDED * (image[v + 1, u + 1] < 1000.0 * (z - ARMS_M * scales[k]))
+            u = round(middle_u + fx * x / z)
+            v = round(middle_v - fy * (y - height_m) / z)
+            in_image = 0 <= u <= 2.0 * middle_u and 0 <= v <= 2.0 * middle_v
+            if in_image and image[v + 1, u + 1] < 1000.0 * (z - ARM_REACH_M * scales[k]):
+                out[k, j] = OCCLUDED
 
 
 def joint_visibility(
     image: Image, intrinsics: Intrinsics, height_m: float, joints: Array, scales: Array
 ) -> NDArray[np.int8]:
-    """Whether joints are where they are believed to be.
+    """Return whether joints are visible where they are estimated.
 
     Args:
-        image: (H + 2, W + 2) depth with a rim, see `segmentation.Foreground` [mm].
-        intrinsics: the image's pinhole.
-        height_m: of the sensor above the floor.
-        joints: (P, 25, 3) points [m].
-        scales: (P,) stature over 1.75 m.
+        image: (H + 2, W + 2) depth with a border, see `foreground.Foreground` [mm].
+        intrinsics: pinhole model of the image.
+        height_m: height of the sensor above the floor.
+        joints: (P, 25, 3) points [m], NaN where unknown.
+        scales: (P,) statures over that of the model's person.
 
     Returns:
-        (P, 25) `SHOWN` where surface lies about a limb's joint as its own would, `HIDDEN` where something covers it or
-        there is none of it, and where something covers a joint of the trunk; 0 where the image does not tell.
+        (P, 25) `VISIBLE` where a limb's joint has surface of its own; `OCCLUDED` where something covers a joint of a
+        limb or of the trunk, or where a limb has no surface; `UNDECIDED` elsewhere.
     """
     out = np.zeros(joints.shape[:2], np.int8)
-    _shown(image, intrinsics.fx, intrinsics.fy, height_m, joints, scales, np.flatnonzero(LIMBS), TRUNK, out)
+    _classify(image, intrinsics.fx, intrinsics.fy, height_m, joints, scales, out)
     return out

@@ -1,7 +1,6 @@
-"""Persons over time: who is where, how tall, which way turned, and what is known of each joint.
+"""Tracked persons: position, stature, yaw and joints of each person over time.
 
-Times are in seconds everywhere, so that a sensor that takes five frames a second and one that takes thirty follow
-the same rules.
+All rules are in seconds, so that a sensor with five frames a second and one with thirty follow the same ones.
 """
 
 from __future__ import annotations
@@ -10,355 +9,344 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from ...assets.names import JOINT_INDEX, JOINTS
-from ...core import INFERRED, NOT_TRACKED, TRACKED, Array
-from ...core.memory import put
-from . import joint_filter, posture_prior, surface_tracking
-from .trained_model import RuntimeModel
+from ...assets.names import JOINTS
+from ...core import INFERRED, NOT_TRACKED, Array
+from . import dropouts, joint_filter, posture_prior, surface_tracking
+from .joint_groups import SPINE_BASE, SPINE_MID
+from .posture_prior import JointMask
+from .trained_model import MODEL_STATURE_M, RuntimeModel
 
 CONFIRM_FRAMES = 3
-"""Frames in which somebody must have been seen before there is a person."""
-INFER_S, FORGET_S = 0.6, 3.0
-"""A person out of sight is inferred so long, and remembered so long (assumed)."""
-COAST_S = 1.0
-"""Time constant with which the speed of somebody out of sight is believed (assumed)."""
-REACH_M, REACH_M_S = 0.5, 1.0
-"""How far from where they were lost somebody is looked for, and how that grows (assumed)."""
-SAME_M = 0.30
-"""Two persons cannot stand closer than this; the younger is a mistake (assumed)."""
-SPEED_S, SPIN_S = 0.10, 0.15
-"""Time constants of the trunk's velocity, and of the rate at which it turns (assumed)."""
-YAW_S, YAW_ASTRAY_RAD, YAW_ASTRAY_S = 0.25, math.radians(60.0), 0.08
-"""Time constant with which the forest's yaw corrects the tracked one, and the time constant beyond an angle at which
-only one of them can be right: the forest, which does not remember its mistakes (assumed)."""
-OWN_YAW_RAD, OWN_YAW_S = math.radians(40.0), 0.08
-"""The skeleton's own heading counts if it is so near, with this time constant (assumed)."""
-SURFACE_S = 0.15
-"""Time constant of where the trunk's surface lies before its joints (assumed)."""
-FRONTAL = (0.70, 0.90)
-"""Cosines of the yaw from which on the trunk's surface says anything of its motion along the view, and all: what a
-sensor sees at the side are arms that swing and flanks that pass (assumed)."""
-ANCHOR_S = 0.03
-"""Time constant with which a joint leaves its predicted motion for its patch's (assumed)."""
-LEARN_S, LEARN_SPIN_RAD_S = 1.5, 0.4
-"""Time constant with which votes correct a patch: shorter the faster the person turns, who shows another side of
-them; at this rate a patch counts half (assumed)."""
-TOUCH_M, CLASP_S = 0.16, 0.4
-"""Hands that were seen closer than this hide each other, and are known for so long all the same (assumed)."""
-ASIDE_M = 0.17
-"""Hands do not meet so far beside the trunk's middle: what looks like both is the hand of that side (assumed)."""
-MEET_M, CLOSING_RATIO = 0.22, 0.7
-"""Tracked hands so near are about to touch; of what lies between them so much is left a frame later (assumed)."""
-HOLD_S, WEAK_S, HOLD_M = 0.08, 0.15, 0.15
-"""A joint that was tracked is for so long without a vote, and for so long with too few, while it is found this near to
-its prediction (assumed)."""
-LEAP_S, LEAP_M = 0.12, 0.25
-"""A joint that leaps farther than this in a frame is not believed for so long (assumed)."""
-CROWN = 0.959
-"""Height of the crown over stature, as its pixels show it in a dance (measured on dances of unknown builds)."""
-STATURE_M = (1.35, 2.10)
-"""Statures that are believed."""
-RISE_S, SINK_S, HIDDEN_SHARE = 0.3, 4.0, 0.93
-"""How fast a larger and a smaller crown is believed; a crown below this share of it is a hidden one (assumed)."""
+"""Frames in which somebody must be seen before a person is reported."""
 
-HAND_JOINTS = np.array([[JOINT_INDEX[f"{name}{side}"] for side in ("Left", "Right")]
-                  for name in ("Wrist", "Hand", "HandTip", "Thumb")])  # fmt: skip
-"""(4, 2) wrists, hands, tips and thumbs, left and right."""
-ELBOWS = np.array([JOINT_INDEX["ElbowLeft"], JOINT_INDEX["ElbowRight"]])
-FOREARM_M, LINK_M = (0.34, 0.42), 0.16
-"""No wrist and no hand is so far from its elbow, and no hand so far from its wrist, over the scale: a quarter more than
-a forearm's length, and twice that of half a hand (assumed)."""
-_BASE, _MID = JOINT_INDEX["SpineBase"], JOINT_INDEX["SpineMid"]
+INFER_S = 0.6
+"""How long the joints of a person out of sight are inferred (assumed)."""
+
+FORGET_S = 3.0
+"""How long a person out of sight is remembered (assumed)."""
+
+COAST_S = 1.0
+"""Time constant with which the velocity of a person out of sight decays (assumed)."""
+
+REACH_M = 0.5
+"""Distance from where a person was lost within which the person is recovered at once (assumed)."""
+
+REACH_M_S = 1.0
+"""Rate at which this distance grows (assumed)."""
+
+MIN_DISTANCE_M = 0.30
+"""Two persons cannot stand closer than this; the younger one is a mistake (assumed)."""
+
+SPEED_S = 0.10
+"""Time constant of the trunk's velocity (assumed)."""
+
+SPIN_S = 0.15
+"""Time constant of the turning rate (assumed)."""
+
+YAW_S = 0.25
+"""Time constant with which the forest's yaw corrects the tracked one (assumed)."""
+
+YAW_WRONG_RAD = math.radians(60.0)
+"""Difference of the two yaws beyond which only one can be right (assumed).
+
+The forest is believed then, since it does not remember its mistakes.
+"""
+
+YAW_WRONG_S = 0.08
+"""Time constant of the correction beyond `YAW_WRONG_RAD` (assumed)."""
+
+SKELETON_YAW_RAD = math.radians(40.0)
+"""The yaw of the skeleton's own shoulders and hips counts if it is this near to the tracked one (assumed)."""
+
+SKELETON_YAW_S = 0.08
+"""Time constant with which it corrects the tracked one (assumed)."""
+
+SURFACE_S = 0.15
+"""Time constant of the offset from the trunk's joints to its surface (assumed)."""
+
+FRONTAL_COS = (0.70, 0.90)
+"""Cosine of the yaw below which the trunk's surface is ignored, and above which it counts in full (assumed).
+
+From the side a sensor sees arms that swing and flanks that pass.
+"""
+
+PATCH_MOTION_S = 0.03
+"""Time constant with which a joint leaves its predicted motion for its patch's (assumed)."""
+
+PATCH_LEARNING_S = 1.5
+"""Time constant with which votes correct a patch (assumed)."""
+
+PATCH_SPIN_RAD_S = 0.4
+"""Turning rate at which `PATCH_LEARNING_S` is halved, because another side comes into view (assumed)."""
+
+CROWN = 0.959
+"""Height of the crown over stature, as its pixels show it during a dance (measured on dances of unknown builds)."""
+
+STATURE_M = (1.35, 2.10)
+"""Smallest and largest plausible stature (assumed)."""
+
+GROW_S = 0.3
+"""Time constant with which a higher crown is believed (assumed)."""
+
+SHRINK_S = 4.0
+"""Time constant with which a lower crown is believed (assumed)."""
+
+OCCLUDED_CROWN = 0.93
+"""A crown below this share of the estimated one is occluded (assumed)."""
+
+WIDTH_GAIN = 0.1
+"""Share by which the chest width follows the measured one in each frame (assumed)."""
 
 
 def filter_gain(interval_s: float, constant_s: float) -> float:
-    """Share of the way to go in an interval."""
+    """Return the gain of a first-order low-pass filter over an interval."""
     return 1.0 - math.exp(-interval_s / constant_s)
 
 
-@njit(cache=True)
-def closer_than(one: Array, other: Array, limit_m: float) -> bool:
-    """Whether two points (3,) are closer than a limit; not so where either is unknown."""
-    x, y, z = one[0] - other[0], one[1] - other[1], one[2] - other[2]
-    return bool(x * x + y * y + z * z < limit_m * limit_m)
-
-
-@njit(cache=True)
-def _reach(joints: Array, before: Array, scale: float, unseen_s: Array, seen: posture_prior.JointMask) -> None:
-    """See no wrist and no hand beyond a forearm's reach, and no hand held where its wrist is not, or the reverse."""
-    for side in range(2):
-        wrist, fist, elbow = HAND_JOINTS[0, side], HAND_JOINTS[1, side], ELBOWS[side]
-        place = joints[elbow] if seen[elbow] else before[elbow]
-        for j, limit_m in ((wrist, FOREARM_M[0]), (fist, FOREARM_M[1])):
-            if seen[j] and not math.isnan(place[0]) and not closer_than(joints[j], place, limit_m * scale):
-                seen[j] = False
-        held = wrist if unseen_s[wrist] > unseen_s[fist] else fist
-        if (
-            seen[wrist]
-            and seen[fist]
-            and unseen_s[held] > 0.0
-            and not closer_than(joints[wrist], joints[fist], LINK_M * scale)
-        ):
-            seen[held] = False
-
-
-@njit(cache=True)
-def _hold(
-    joints: Array, before: Array, state: NDArray[np.int8], weak: posture_prior.JointMask, yaw_rad: float, scale: float,
-    interval_s: float, unseen_s: Array, seen: posture_prior.JointMask,
-) -> None:  # fmt: skip
-    """See `Person.hold`; ``before`` are the joints as predicted."""
-    cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
-    limit_s, twin = np.full(len(seen), HOLD_S), np.full(len(seen), -1)
-    for left, right in HAND_JOINTS:
-        known = state[left] == state[right] == TRACKED
-        middle = 0.5 * (joints[left] + joints[right]) - before[_MID]
-        aside = sin * middle[2] - cos * middle[0]
-        if abs(aside) > ASIDE_M and closer_than(joints[left], joints[right], TOUCH_M):
-            seen[right if aside > 0.0 else left] = weak[right if aside > 0.0 else left] = False
-        elif closer_than(joints[left], joints[right], TOUCH_M) or (
-            known and closer_than(before[left], before[right], MEET_M)
-        ):
-            limit_s[left] = limit_s[right] = CLASP_S
-            twin[left], twin[right] = right, left
-    for j in range(len(seen)):
-        if (
-            seen[j]
-            and unseen_s[j] < LEAP_S
-            and state[j] != NOT_TRACKED
-            and not closer_than(joints[j], before[j], LEAP_M)
-        ):
-            seen[j] = False
-        unseen_s[j] = 0.0 if seen[j] else unseen_s[j] + interval_s
-    for j in range(len(seen)):
-        if seen[j] or state[j] != TRACKED or unseen_s[j] >= max(limit_s[j], WEAK_S * weak[j]):
-            continue
-        if closer_than(joints[j], before[j], HOLD_M):
-            seen[j] = True
-        elif twin[j] >= 0 and unseen_s[twin[j]] == 0.0:
-            put(joints[j], joints[twin[j]] + CLOSING_RATIO * (before[j] - before[twin[j]]))
-            seen[j] = True
-    _reach(joints, before, scale, unseen_s, seen)
-
-
 def wrap_angle(angle_rad: float) -> float:
-    """The same angle from -pi to pi."""
+    """Return the equivalent angle from -pi to pi."""
     return math.remainder(angle_rad, math.tau)
 
 
 @dataclass(slots=True)
 class Person:
-    """One person as a sensor remembers them; lengths are points: x, height, z [m].
+    """State of one person that a sensor tracks; positions are points: x, height, z [m].
 
     Attributes:
-        name: identity, never given twice.
-        place: (2,) x and z of the trunk.
+        identity: number of the person, never used twice.
+        position: (2,) x and z of the trunk [m].
         velocity: (2,) its rate [m/s].
-        yaw_rad: heading relative to facing the sensor; NaN while it is not known.
-        facing_rad: the yaw at the end of the last frame; NaN before the first.
-        spin: its smoothed rate [rad/s].
-        scale: stature over 1.75 m; 0 while it is not known.
-        width: of the chest, over the scale [m].
-        surface: (2,) from the place to the middle of the trunk's surface, steadied [m].
-        frames: in how many frames the person was seen.
-        missing_s: since when not.
-        joints: (25, 3) last joints, NaN before the first.
-        state: (25,) how they are known.
-        carry: (25, 3) what is left of the way of joints that came back into sight.
-        unseen_s: (25,) for how long joints have lacked support.
-        patches: what is remembered of the trunk's surface, see `surface_tracking.nothing_known`.
-        shown: (25,) what the last image says of the limbs, see `showing.shown`.
+        yaw_rad: yaw relative to facing the sensor; NaN while unknown.
+        last_yaw_rad: yaw at the end of the last frame; NaN before the first.
+        spin_rad_s: smoothed turning rate.
+        scale: stature over `MODEL_STATURE_M`; 0 while unknown.
+        chest_width: width of the chest over scale [m].
+        surface_offset: (2,) smoothed offset from the position to the middle of the trunk's surface [m].
+        frames: number of frames in which the person was seen.
+        lost_s: time since the person was last seen.
+        joints: (25, 3) latest joints, NaN before the first frame [m].
+        state: (25,) tracking states.
+        offset: (25, 3) remaining distance of joints that reappeared, see `joint_filter.filter_joints` [m].
+        unseen_s: (25,) how long joints have lacked support.
+        patches: remembered surface of the trunk, see `surface_tracking.initial_patches`.
+        visibility: (25,) verdicts of the last image, see `joint_visibility.joint_visibility`.
     """
 
-    name: int
-    place: Array
+    identity: int
+    position: Array
     velocity: Array = field(default_factory=lambda: np.zeros(2))
     yaw_rad: float = math.nan
-    facing_rad: float = math.nan
-    spin: float = 0.0
+    last_yaw_rad: float = math.nan
+    spin_rad_s: float = 0.0
     scale: float = 0.0
-    width: float = 0.0
-    surface: Array = field(default_factory=lambda: np.full(2, np.nan))
+    chest_width: float = 0.0
+    surface_offset: Array = field(default_factory=lambda: np.full(2, np.nan))
     frames: int = 0
-    missing_s: float = 0.0
+    lost_s: float = 0.0
     joints: Array = field(default_factory=lambda: np.full((len(JOINTS), 3), np.nan))
     state: NDArray[np.int8] = field(default_factory=lambda: np.zeros(len(JOINTS), np.int8))
-    carry: Array = field(default_factory=lambda: np.zeros((len(JOINTS), 3)))
+    offset: Array = field(default_factory=lambda: np.zeros((len(JOINTS), 3)))
     unseen_s: Array = field(default_factory=lambda: np.zeros(len(JOINTS)))
     patches: Array = field(default_factory=surface_tracking.initial_patches)
-    shown: NDArray[np.int8] = field(default_factory=lambda: np.zeros(len(JOINTS), np.int8))
+    visibility: NDArray[np.int8] = field(default_factory=lambda: np.zeros(len(JOINTS), np.int8))
 
     @property
     def confirmed(self) -> bool:
-        """Whether this is a person, not a passing shape."""
+        """Whether the person was seen often enough to be reported."""
         return self.frames >= CONFIRM_FRAMES
 
     def predict(self, interval_s: float) -> None:
-        """Go on as before for a while."""
+        """Move the person on at constant velocity."""
         step = self.velocity * interval_s
-        self.place = self.place + step
+        self.position = self.position + step
+        # Heights do not change: persons move over the floor.
         self.joints[:, 0] += step[0]
         self.joints[:, 2] += step[1]
 
     def update_size(self, crown_m: float, width_m: float, interval_s: float) -> None:
-        """Take in how tall and how wide the person looks."""
-        seen = min(max(crown_m / CROWN, STATURE_M[0]), STATURE_M[1]) / 1.75
+        """Correct the scale by the measured height of the crown; the first call sets the chest width as well."""
+        stature_m = min(max(crown_m / CROWN, STATURE_M[0]), STATURE_M[1])
+        measured = stature_m / MODEL_STATURE_M
         if self.scale == 0.0:
-            self.scale, self.width = seen, width_m / seen
+            self.scale = measured
+            self.chest_width = width_m / measured
             return
-        if seen > self.scale:
-            self.scale += filter_gain(interval_s, RISE_S) * (seen - self.scale)
-        elif seen > HIDDEN_SHARE * self.scale:
-            self.scale += filter_gain(interval_s, SINK_S) * (seen - self.scale)
+
+        if measured > self.scale:
+            self.scale += filter_gain(interval_s, GROW_S) * (measured - self.scale)
+        elif measured > OCCLUDED_CROWN * self.scale:
+            self.scale += filter_gain(interval_s, SHRINK_S) * (measured - self.scale)
+
+    def update_width(self, width: float) -> None:
+        """Correct the chest width by the measured one, over scale [m]."""
+        self.chest_width += WIDTH_GAIN * (width - self.chest_width)
 
     def smooth_surface(self, middle: Array, interval_s: float) -> Array:
-        """Where the forests are told that the trunk's surface (2,) is: a middle that shook would shake every joint."""
-        off = middle - self.place
-        if math.isnan(self.surface[0]):
-            self.surface = off
-        self.surface = self.surface + filter_gain(interval_s, SURFACE_S) * (off - self.surface)
-        return np.asarray(self.place + self.surface)
+        """Return the smoothed position (2,) of the trunk's surface: jitter of it would move every joint."""
+        offset = middle - self.position
+        if math.isnan(self.surface_offset[0]):
+            self.surface_offset = offset
+        self.surface_offset = self.surface_offset + filter_gain(interval_s, SURFACE_S) * (offset - self.surface_offset)
+        return np.asarray(self.position + self.surface_offset)
 
     def update_yaw(self, votes: Array, interval_s: float) -> None:
-        """Take in what the forest says of the yaw: sums of cosine and sine."""
+        """Correct the yaw by the forest's votes; without votes an unknown yaw becomes 0.
+
+        Args:
+            votes: sums of cosines and sines, from `yaw_voting.yaw_votes`.
+            interval_s: time since the last frame, times the confidence in the votes.
+        """
         if votes[0] == votes[1] == 0.0:
             self.yaw_rad = 0.0 if math.isnan(self.yaw_rad) else self.yaw_rad
             return
-        said = math.atan2(votes[1], votes[0])
+
+        voted_rad = math.atan2(votes[1], votes[0])
         if math.isnan(self.yaw_rad):
-            self.yaw_rad = said
-        else:
-            off = wrap_angle(said - self.yaw_rad)
-            constant_s = YAW_ASTRAY_S if abs(off) > YAW_ASTRAY_RAD else YAW_S
-            self.yaw_rad = wrap_angle(self.yaw_rad + filter_gain(interval_s, constant_s) * off)
+            self.yaw_rad = voted_rad
+            return
+        error_rad = wrap_angle(voted_rad - self.yaw_rad)
+        constant_s = YAW_WRONG_S if abs(error_rad) > YAW_WRONG_RAD else YAW_S
+        self.yaw_rad = wrap_angle(self.yaw_rad + filter_gain(interval_s, constant_s) * error_rad)
 
     def coast(self, interval_s: float) -> None:
-        """Out of sight: coast, and after a while admit it."""
-        self.missing_s += interval_s
+        """Account for a frame without the person: the velocity decays, and after `INFER_S` nothing is tracked."""
+        self.lost_s += interval_s
         self.velocity = self.velocity * (1.0 - filter_gain(interval_s, COAST_S))
-        self.carry[:] = 0.0
-        state = INFERRED if self.missing_s <= INFER_S else NOT_TRACKED
+        self.offset[:] = 0.0
+        state = INFERRED if self.lost_s <= INFER_S else NOT_TRACKED
         self.state = np.where(np.isnan(self.joints[:, 0]), NOT_TRACKED, state).astype(np.int8)
 
-    def bridge_dropouts(
-        self, joints: Array, seen: posture_prior.JointMask, weak: posture_prior.JointMask, interval_s: float
-    ) -> None:
-        """Count joints as seen that lack support for a moment only, and hands that touch for longer; none that leaps.
-
-        Hands that touch hide each other's surface, and neither goes far: one that is not found is beside the other.
-        None meets the other beside a hip. What was here a moment ago and is found somewhere else altogether is not
-        there, but hidden, and something else looks like it.
+    def bridge_dropouts(self, joints: Array, seen: JointMask, weak: JointMask, interval_s: float) -> None:
+        """Decide which joints count as seen in this frame, see `dropouts.bridge_dropouts`.
 
         Args:
-            joints: (25, 3) where votes agree.
-            seen: (25,) which of them are supported; changed in place.
-            weak: (25,) for which of them there is a vote at all; changed in place.
-            interval_s: since the last frame.
+            joints: (25, 3) joints by the votes [m]; a hand that the other one hides is moved beside it.
+            seen: (25,) joints with sufficient support; changed in place.
+            weak: (25,) joints with a vote at all; changed in place.
+            interval_s: time since the last frame.
         """
-        _hold(joints, self.joints, self.state, weak, self.yaw_rad, self.scale, interval_s, self.unseen_s, seen)
+        dropouts.bridge_dropouts(
+            joints, self.joints, self.state, weak, self.yaw_rad, self.scale, interval_s, self.unseen_s, seen
+        )  # fmt: skip
 
     def update(
-        self,
-        joints: Array,
-        seen: posture_prior.JointMask,
-        model: RuntimeModel,
-        interval_s: float,
-        believed: Array | None = None,
+        self, joints: Array, seen: JointMask, model: RuntimeModel, interval_s: float, likelihood: Array | None = None
     ) -> None:
-        """Take in a frame's joints.
+        """Update the person by a frame's joints; without a joint of the trunk the person coasts.
 
         Args:
-            joints: (25, 3) where votes agree, NaN where there are none.
-            seen: (25,) which of them are supported.
-            model: its regression and memory of postures count.
-            interval_s: since the last frame.
-            believed: (N, 2) how far each remembered posture counts for the hands, see `free_space.posture_likelihood`.
+            joints: (25, 3) joints by the votes, NaN where there are none [m].
+            seen: (25,) which of them count.
+            model: its regression and its remembered postures are used.
+            interval_s: time since the last frame.
+            likelihood: (N, 2) weights of the remembered postures for the hands, see `free_space.posture_likelihood`;
+                all are 1 by default.
         """
-        before_rad = self.facing_rad
-        self._face(posture_prior.estimate_yaw(joints, seen), interval_s)
-        self._spin(before_rad, interval_s)
-        likely = np.empty_like(joints)
-        known = model.posture, model.memory, model.mean
-        counts = np.ones((len(model.memory), 2)) if believed is None else believed
-        if not posture_prior.estimate_posture(
-            joints, seen, *known, self.yaw_rad, self.scale, self.width, counts, likely
-        ):
+        self._correct_yaw(posture_prior.estimate_yaw(joints, seen), interval_s)
+        if likelihood is None:
+            likelihood = np.ones((len(model.memory), 2))
+
+        posture = np.empty_like(joints)
+        found = posture_prior.estimate_posture(
+            joints, seen, model.posture, model.memory, model.mean, self.yaw_rad, self.scale, self.chest_width,
+            likelihood, posture,
+        )  # fmt: skip
+        if not found:
             self.coast(interval_s)
             return
-        mine = self.joints, self.state, self.carry
-        joint_filter.filter_joints(joints, seen, likely, self.yaw_rad, self.spin, interval_s, *mine)
-        self._go(interval_s)
 
-    def correct_depth(self, cells: Array, predicted: Array, voted: Array, least: float, interval_s: float) -> None:
-        """Correct the frame's joints by the trunk's surface.
+        joint_filter.filter_joints(
+            joints, seen, posture, self.yaw_rad, self.spin_rad_s, interval_s, self.joints, self.state, self.offset
+        )  # fmt: skip
+        self._update_motion(interval_s)
+
+    def correct_depth(
+        self, cells: Array, predicted: Array, voted: Array, min_points: float, interval_s: float
+    ) -> None:  # fmt: skip
+        """Correct the frame's joints by the trunk's surface, see `surface_tracking.correct_depth_from_surface`.
 
         Args:
-            cells: (A, C, 2) from `surface_tracking.gathered`.
-            predicted: (25, 3) joints that they were gathered for.
-            voted: (25, 3) where votes agree; NaN where they do not count.
-            least: points of a patch that must agree.
-            interval_s: since the last frame.
+            cells: (A, C, 2) from `surface_tracking.measure_patches`.
+            predicted: (25, 3) joints that they were measured for [m].
+            voted: (25, 3) joints by the votes; NaN where they do not count [m].
+            min_points: least number of points of a patch that must agree.
+            interval_s: time since the last frame.
         """
-        learn_s = LEARN_S / (1.0 + (self.spin / LEARN_SPIN_RAD_S) ** 2)
-        frontal = (abs(math.cos(self.yaw_rad)) - FRONTAL[0]) / (FRONTAL[1] - FRONTAL[0])
-        counts = min(max(frontal, 0.0), 1.0)
-        shares = np.array([filter_gain(interval_s, ANCHOR_S), filter_gain(interval_s, learn_s), counts])
-        surface_tracking.correct_depth_from_surface(
-            cells, self.patches, predicted, voted, least, shares, interval_s, self.joints
+        learning_s = PATCH_LEARNING_S / (1.0 + (self.spin_rad_s / PATCH_SPIN_RAD_S) ** 2)
+        frontal = (abs(math.cos(self.yaw_rad)) - FRONTAL_COS[0]) / (FRONTAL_COS[1] - FRONTAL_COS[0])
+        gains = surface_tracking.PatchGains(
+            motion=filter_gain(interval_s, PATCH_MOTION_S),
+            learning=filter_gain(interval_s, learning_s),
+            correction=min(max(frontal, 0.0), 1.0),
         )
+        surface_tracking.correct_depth_from_surface(
+            cells, self.patches, predicted, voted, min_points, gains, interval_s, self.joints
+        )  # fmt: skip
 
-    def _face(self, yaw_rad: float, interval_s: float) -> None:
-        """Believe the skeleton's own heading, unless it contradicts the tracked one."""
-        off = wrap_angle(yaw_rad - self.yaw_rad) if not math.isnan(yaw_rad) else math.inf
-        if abs(off) < OWN_YAW_RAD:
-            self.yaw_rad = wrap_angle(self.yaw_rad + filter_gain(interval_s, OWN_YAW_S) * off)
+    def _correct_yaw(self, skeleton_yaw_rad: float, interval_s: float) -> None:
+        """Correct the yaw by the skeleton's own, unless the two contradict each other, and update the turning rate."""
+        before_rad = self.last_yaw_rad
+        error_rad = math.inf if math.isnan(skeleton_yaw_rad) else wrap_angle(skeleton_yaw_rad - self.yaw_rad)
+        if abs(error_rad) < SKELETON_YAW_RAD:
+            self.yaw_rad = wrap_angle(self.yaw_rad + filter_gain(interval_s, SKELETON_YAW_S) * error_rad)
 
-    def _spin(self, before_rad: float, interval_s: float) -> None:
-        self.facing_rad = self.yaw_rad
+        self.last_yaw_rad = self.yaw_rad
         if interval_s > 0.0 and not math.isnan(before_rad):
-            rate = wrap_angle(self.yaw_rad - before_rad) / interval_s
-            self.spin += filter_gain(interval_s, SPIN_S) * (rate - self.spin)
+            rate_rad_s = wrap_angle(self.yaw_rad - before_rad) / interval_s
+            self.spin_rad_s += filter_gain(interval_s, SPIN_S) * (rate_rad_s - self.spin_rad_s)
 
-    def _go(self, interval_s: float) -> None:
-        place = 0.5 * (self.joints[_BASE, ::2] + self.joints[_MID, ::2])
+    def _update_motion(self, interval_s: float) -> None:
+        """Set position and velocity from the joints of this frame."""
+        position = 0.5 * (self.joints[SPINE_BASE, ::2] + self.joints[SPINE_MID, ::2])
         if self.frames and interval_s > 0.0:
-            step = (place - self.place) / interval_s
-            steadier = 1.0 + joint_filter.SIDEWAYS * math.sin(self.yaw_rad) ** 2
-            self.velocity = self.velocity + filter_gain(interval_s, SPEED_S * steadier) * step
-        self.place = place
+            error = (position - self.position) / interval_s
+            # Along the view the joints of a person who stands sideways are less certain.
+            constant_s = SPEED_S * (1.0 + joint_filter.SIDEWAYS * math.sin(self.yaw_rad) ** 2)
+            self.velocity = self.velocity + filter_gain(interval_s, constant_s) * error
+        self.position = position
         self.frames += 1
-        self.missing_s = 0.0
+        self.lost_s = 0.0
 
 
 def remove_duplicates(persons: list[Person]) -> list[Person]:
-    """Those who remain where two stand in one place: the ones seen longer."""
+    """Return the persons without those that stand in the place of another one who was seen in more frames."""
     kept: list[Person] = []
     for person in sorted(persons, key=lambda one: -one.frames):
-        doubles = (math.dist(person.place, other.place) < SAME_M for other in kept if other.missing_s == 0.0)
-        if person.missing_s > 0.0 or not any(doubles):
+        duplicates = (
+            math.dist(person.position, other.position) < MIN_DISTANCE_M for other in kept if other.lost_s == 0.0
+        )
+        if person.lost_s > 0.0 or not any(duplicates):
             kept.append(person)
     return [person for person in persons if any(person is one for one in kept)]
 
 
 def recover_lost(places: list[tuple[float, float]], persons: list[Person]) -> list[tuple[float, float]]:
-    """Give places where strangers stand to persons out of sight; the places that are left are new persons'."""
-    lost = [person for person in persons if person.missing_s > 0.0]
-    left = list(places)
+    """Assign places of new persons to persons out of sight, and return the places that remain.
+
+    A lost person moves to the nearest place within reach; the reach grows with the time since the loss.
+
+    Args:
+        places: x and z of each [m].
+        persons: all persons; those who are recovered are moved.
+    """
+    # All pairs in order of their distance beyond the reach that has grown since the loss.
+    lost = [person for person in persons if person.lost_s > 0.0]
     pairs = sorted(
-        (float(np.hypot(*(person.place - place))) - REACH_M_S * person.missing_s, index, row)
+        (float(np.hypot(*(person.position - place))) - REACH_M_S * person.lost_s, index, row)
         for index, person in enumerate(lost)
         for row, place in enumerate(places)
     )
-    taken: set[int] = set()
+
+    remaining = list(places)
+    recovered: set[int] = set()
     for beyond_m, index, row in pairs:
-        if beyond_m > REACH_M or index in taken or places[row] not in left:
+        if beyond_m > REACH_M or index in recovered or places[row] not in remaining:
             continue
-        taken.add(index)
-        left.remove(places[row])
-        shift = np.array(places[row]) - lost[index].place
-        lost[index].place = np.array(places[row])
+        recovered.add(index)
+        remaining.remove(places[row])
+        shift = np.array(places[row]) - lost[index].position
+        lost[index].position = np.array(places[row])
         lost[index].joints[:, [0, 2]] += shift
-    return left
+    return remaining

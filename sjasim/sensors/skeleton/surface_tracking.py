@@ -1,156 +1,241 @@
-"""The trunk's motion along the view, from the depth of its own surface.
+"""Depth correction of trunk joints from the frame-to-frame motion of the surface in front of them.
 
-Votes find a joint to a centimetre or two, but lean with the body: while somebody begins to walk, the pelvis that they
-see runs ahead of the true one by a frame or two. The surface before a joint moves with it. So a patch of it is
-remembered, cell by cell, as depth beyond the joint, and the next frame's cells tell how far the joint has come; cells
-that something else covers say nothing, and those left suffice. Votes correct what is remembered, slowly.
+Votes find a joint to within a centimetre or two, but lean with the body: while a person begins to walk, the estimated
+pelvis runs ahead of the true one by a frame or two. The surface in front of a joint moves with it. So a patch of this
+surface is remembered, cell by cell, as depth relative to the joint, and the cells of the next frame tell how far the
+joint has moved along the view. Cells that something else covers are ignored; those left suffice. The votes correct the
+remembered patch slowly.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
-from ...assets.names import JOINT_INDEX
 from ...core import Array
-from .segmentation import Foreground, Owners, Points
+from ...core.compiled import compiled_entry, compiled_inner
+from .foreground import Foreground, Owners, Points
+from .joint_groups import SPINE_BASE
 
-PATCH_JOINTS = np.array([JOINT_INDEX["SpineBase"]])
-"""(A,) joints that have a patch: those whose surface moves with them as one."""
-CELLS, CELL_M = 8, 0.03
-"""A patch is so many cells wide and high; a cell has this size times the person's scale (assumed)."""
-GATE_M, AGREE_M = 0.06, 0.015
-"""A cell's depth farther from what is remembered is something else's, such as an arm's; and so is one farther than the
-second from where most cells say that the surface has come: beside the outline of a hand that passes, a cell's mean
-lies between the hand and the trunk (assumed)."""
+PATCH_JOINTS = np.array([SPINE_BASE])
+"""(A,) joints that have a patch: those whose surface moves with them rigidly."""
+
+CELLS = 8
+"""Number of cells across and along a patch (assumed)."""
+
+CELL_M = 0.03
+"""Edge of a cell, for a person of the model's size (assumed)."""
+
+GATE_M = 0.06
+"""A cell whose depth differs by more than this from the remembered one shows another surface, as an arm (assumed)."""
+
+AGREE_M = 0.015
+"""So does a cell that differs by more than this from the median motion of all cells (assumed).
+
+Beside the outline of a passing hand, a cell's mean depth lies between hand and trunk.
+"""
+
 MIN_AGREEING_M2 = 0.010
-"""Surface that must agree for a patch to be believed: a sixth of it (assumed)."""
+"""Least surface that must agree for a patch to count: a sixth of it (assumed)."""
+
 RELEARN_S = 0.5
-"""A cell that has not agreed for so long is learnt anew (assumed)."""
-_SUM, _POINTS = range(2)
-_BEYOND, _STALE_S = range(2)
+"""A cell that has not agreed for this long is learnt anew (assumed)."""
+
+DEPTH_SUM = 0
+"""Column of a measured cell: sum of the depths of its points [m]."""
+
+POINTS = 1
+"""Column of a measured cell: number of its points."""
+
+RELATIVE_DEPTH = 0
+"""Column of a remembered cell: depth relative to the joint, NaN while unknown [m]."""
+
+STALE = 1
+"""Column of a remembered cell: time since it last agreed [s]."""
+
+CELL_COLUMNS = 2
+"""Number of columns of a cell, measured or remembered."""
+
+
+class PatchGains(NamedTuple):
+    """Filter gains of the depth correction, each from 0 to 1.
+
+    Attributes:
+        motion: from the joint's predicted motion to that of its patch.
+        learning: from the remembered patch to what the votes say.
+        correction: from the joint's depth by the votes to that by the patch.
+    """
+
+    motion: float
+    learning: float
+    correction: float
 
 
 def initial_patches() -> Array:
-    """What is remembered of somebody new.
-
-    Returns:
-        (A, C, 2) each cell's depth beyond its joint, NaN while it is not known [m], and since when it has not agreed
-        [s].
-    """
-    known = np.zeros((len(PATCH_JOINTS), CELLS * CELLS, 2))
-    known[:, :, _BEYOND] = np.nan
-    return known
+    """Return the patches of a new person, (A, C, `CELL_COLUMNS`), of which nothing is known."""
+    patches = np.zeros((len(PATCH_JOINTS), CELLS * CELLS, CELL_COLUMNS))
+    patches[:, :, RELATIVE_DEPTH] = np.nan
+    return patches
 
 
-@njit(cache=True, error_model="numpy")
-def _gather(
-    count: int, point: Points, owner: Owners, joints: Array, scales: Array, anchored: Array, out: Array
-) -> None:  # fmt: skip
+@compiled_entry
+def _sum_depths(count: int, point: Points, owner: Owners, joints: Array, scales: Array, out: Array) -> None:
+    """Add up ``out``, which holds zeros before; see `measure_patches`."""
     middle = CELLS / 2.0
     for i in range(count):
         k = owner[i]
         if k < 0:
             continue
-        per = 1.0 / (CELL_M * scales[k])
-        for a in range(len(anchored)):
-            joint = joints[k, anchored[a]]
-            u, v = (point[i, 0] - joint[0]) * per + middle, (point[i, 1] - joint[1]) * per + middle
+        per_m = 1.0 / (CELL_M * scales[k])
+        for a in range(len(PATCH_JOINTS)):
+            j = PATCH_JOINTS[a]
+            u = (point[i, 0] - joints[k, j, 0]) * per_m + middle
+            v = (point[i, 1] - joints[k, j, 1]) * per_m + middle
             if 0.0 <= u < CELLS and 0.0 <= v < CELLS:
-                cell = out[k, a, int(v) * CELLS + int(u)]
-                cell[_SUM] += point[i, 2]
-                cell[_POINTS] += 1.0
+                cell = int(v) * CELLS + int(u)
+                out[k, a, cell, DEPTH_SUM] += point[i, 2]
+                out[k, a, cell, POINTS] += 1.0
 
 
-def measure_patches(scene: Foreground, joints: Array, scales: Array) -> Array:
-    """Depths of the patches' cells in a frame.
+def measure_patches(foreground: Foreground, joints: Array, scales: Array) -> Array:
+    """Return the depths of all persons' patches in a frame.
 
     Args:
-        scene: with owners.
-        joints: (P, 25, 3) predicted joints as points, NaN for somebody new [m].
-        scales: (P,) stature over 1.75 m.
+        foreground: points with owners.
+        joints: (P, 25, 3) predicted joints as points, NaN for a new person [m].
+        scales: (P,) statures over 1.75 m.
 
     Returns:
-        (P, A, C, 2) sum of the depths in each cell [m], and number of its points.
+        (P, A, C, `CELL_COLUMNS`) sum of the depths in each cell [m], and number of points.
     """
-    out = np.zeros((len(joints), len(PATCH_JOINTS), CELLS * CELLS, 2))
-    _gather(scene.count, scene.point, scene.owner, joints, scales, PATCH_JOINTS, out)
+    out = np.zeros((len(joints), len(PATCH_JOINTS), CELLS * CELLS, CELL_COLUMNS))
+    _sum_depths(foreground.count, foreground.point, foreground.owner, joints, scales, out)
     return out
 
 
-@njit(cache=True, error_model="numpy")
-def _median(values: Array, weights: Array) -> float:
-    """Of the values, the one that half of the weight does not exceed."""
-    below, half = 0.0, 0.5 * weights.sum()
-    for i in np.argsort(values):
-        below += weights[i]
-        if below >= half:
-            return float(values[i])
-    return math.nan
+@compiled_inner
+def _weighted_median(values: Array, weights: Array) -> float:
+    """Return the smallest value that half of the weight does not exceed; infinity without any weight.
+
+    The weights are numbers of points, so their sums are exact in any order. Comparing all pairs is fast enough for the
+    few cells of a patch, and sorting would compile ten more functions.
+    """
+    half = 0.0
+    for i in range(len(weights)):
+        half += weights[i]
+    half *= 0.5
+
+    median = math.inf
+    for i in range(len(values)):
+        if weights[i] > 0.0 and values[i] < median:
+            below = 0.0
+            for k in range(len(values)):
+                if values[k] <= values[i]:
+                    below += weights[k]
+            if below >= half:
+                median = values[i]
+    return median
 
 
-@njit(cache=True, error_model="numpy")
-def _moved(cells: Array, known: Array, depth_m: float, least: float) -> float:
-    """How far one patch (C, 2) has come from its joint's predicted depth; NaN where too few points agree."""
-    off, points = np.zeros(len(cells)), np.zeros(len(cells))
+@compiled_inner
+def _patch_motion_m(cells: Array, patch: Array, depth_m: float, min_points: float) -> float:
+    """Return how far a patch has moved from its joint's predicted depth; NaN if too few points agree.
+
+    Args:
+        cells: (C, `CELL_COLUMNS`) measured cells.
+        patch: (C, `CELL_COLUMNS`) remembered cells.
+        depth_m: predicted depth of the joint.
+        min_points: least number of points that must agree.
+    """
+    moved = np.zeros(len(cells))
+    points = np.zeros(len(cells))
     for c in range(len(cells)):
-        n = cells[c, _POINTS]
-        away = cells[c, _SUM] / n - depth_m - known[c, _BEYOND] if n > 0.0 else math.nan
+        n = cells[c, POINTS]
+        away = cells[c, DEPTH_SUM] / n - depth_m - patch[c, RELATIVE_DEPTH] if n > 0.0 else math.nan
         if abs(away) < GATE_M:
-            off[c], points[c] = away, n
-    agree = points * (np.abs(off - _median(off, points)) < AGREE_M)
-    return float((agree * off).sum() / agree.sum()) if agree.sum() >= least else math.nan
+            moved[c] = away
+            points[c] = n
 
-
-@njit(cache=True, error_model="numpy")
-def _learn(cells: Array, known: Array, depth_m: float, ahead_m: float, share: float, interval_s: float) -> None:
-    """Correct one patch (C, 2); ``ahead_m`` is how much farther away its joint is than votes say."""
+    # The median rejects a minority of cells that something else covers; the mean of the others is more precise.
+    median = _weighted_median(moved, points)
+    total = 0.0
+    agreeing = 0.0
     for c in range(len(cells)):
-        known[c, _BEYOND] += share * ahead_m
-        known[c, _STALE_S] += interval_s
-        n = cells[c, _POINTS]
+        if abs(moved[c] - median) < AGREE_M:
+            total += points[c] * moved[c]
+            agreeing += points[c]
+    return total / agreeing if agreeing >= min_points else math.nan
+
+
+@compiled_inner
+def _update_patch(
+    cells: Array, patch: Array, depth_m: float, ahead_m: float, gain: float, interval_s: float
+) -> None:  # fmt: skip
+    """Correct a remembered patch in place.
+
+    Args:
+        cells: (C, `CELL_COLUMNS`) measured cells.
+        patch: (C, `CELL_COLUMNS`) remembered cells.
+        depth_m: estimated depth of the joint.
+        ahead_m: how much farther away the joint is than the votes say.
+        gain: share of each correction that is made.
+        interval_s: time since the last frame.
+    """
+    for c in range(len(cells)):
+        patch[c, RELATIVE_DEPTH] += gain * ahead_m
+        patch[c, STALE] += interval_s
+        n = cells[c, POINTS]
         if n == 0.0:
             continue
-        off = cells[c, _SUM] / n - depth_m - known[c, _BEYOND]
-        if abs(off) < GATE_M:
-            known[c, _BEYOND] += share * off
-            known[c, _STALE_S] = 0.0
-        elif math.isnan(off) or known[c, _STALE_S] > RELEARN_S:
-            known[c, _BEYOND] = cells[c, _SUM] / n - depth_m
-            known[c, _STALE_S] = 0.0
+
+        error = cells[c, DEPTH_SUM] / n - depth_m - patch[c, RELATIVE_DEPTH]
+        if abs(error) < GATE_M:
+            patch[c, RELATIVE_DEPTH] += gain * error
+            patch[c, STALE] = 0.0
+        elif math.isnan(error) or patch[c, STALE] > RELEARN_S:
+            patch[c, RELATIVE_DEPTH] = cells[c, DEPTH_SUM] / n - depth_m
+            patch[c, STALE] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
-def _anchor(
-    cells: Array, known: Array, anchored: Array, predicted: Array, voted: Array, least: float, shares: Array,
-    interval_s: float, joints: Array,
+@compiled_entry
+def _correct(
+    cells: Array, patches: Array, predicted: Array, voted: Array, min_points: float, motion_gain: float,
+    learning_gain: float, correction_gain: float, interval_s: float, joints: Array,
 ) -> None:  # fmt: skip
-    for a in range(len(anchored)):
-        j = anchored[a]
-        moved = _moved(cells[a], known[a], predicted[j, 2], least)
+    """Change ``patches`` and ``joints``; see `correct_depth_from_surface`."""
+    for a in range(len(PATCH_JOINTS)):
+        j = PATCH_JOINTS[a]
+        moved = _patch_motion_m(cells[a], patches[a], predicted[j, 2], min_points)
         if not math.isnan(moved):
-            joints[j, 2] += shares[2] * (predicted[j, 2] + shares[0] * moved - joints[j, 2])
+            joints[j, 2] += correction_gain * (predicted[j, 2] + motion_gain * moved - joints[j, 2])
         ahead = joints[j, 2] - voted[j, 2]
-        _learn(cells[a], known[a], joints[j, 2], 0.0 if math.isnan(ahead) else ahead, shares[1], interval_s)
+        if math.isnan(ahead):
+            ahead = 0.0
+        _update_patch(cells[a], patches[a], joints[j, 2], ahead, learning_gain, interval_s)
 
 
 def correct_depth_from_surface(
-    cells: Array, known: Array, predicted: Array, voted: Array, least: float, shares: Array, interval_s: float,
+    cells: Array,
+    patches: Array,
+    predicted: Array,
+    voted: Array,
+    min_points: float,
+    gains: PatchGains,
+    interval_s: float,
     joints: Array,
-) -> None:  # fmt: skip
-    """Put a person's anchored joints where their patches have come to, along the view.
+) -> None:
+    """Correct the depth of a person's joints by the motion of their patches.
 
     Args:
-        cells: (A, C, 2) the person's, from `gathered`.
-        known: (A, C, 2) what is remembered, changed in place.
-        predicted: (25, 3) joints that the cells were gathered for [m].
-        voted: (25, 3) where votes agree; NaN where they do not count [m].
-        least: points that must agree.
-        shares: (3,) of the way to go from the predicted motion to the patches', from what is remembered of the
-            patches to what the votes say, and from the joint as it was found to where the patch puts it.
-        interval_s: since the last frame.
+        cells: (A, C, `CELL_COLUMNS`) the person's measured cells, from `measure_patches`.
+        patches: (A, C, `CELL_COLUMNS`) the remembered patches, changed in place.
+        predicted: (25, 3) predicted joints that the cells were measured for [m].
+        voted: (25, 3) joints by the votes; NaN where they do not count [m].
+        min_points: least number of points of a patch that must agree.
+        gains: filter gains.
+        interval_s: time since the last frame.
         joints: (25, 3) joints of this frame, changed in place [m].
     """
-    _anchor(cells, known, PATCH_JOINTS, predicted, voted, least, shares, interval_s, joints)
+    _correct(cells, patches, predicted, voted, min_points, *gains, interval_s, joints)

@@ -1,6 +1,6 @@
-"""The trained skeleton model: two forests, thresholds, a posture regression and postures, kept as one typed npz.
+"""The trained skeleton model: two forests, thresholds, a posture regression and remembered postures, in one npz file.
 
-Source: girshick2011, section 3 (leaves of a depth-difference forest vote for joint positions).
+Source: girshick2011, section 3 (the leaves of a forest of depth differences vote for joint positions).
 """
 
 from __future__ import annotations
@@ -23,10 +23,16 @@ from ...core.errors import SjasimError
 from .forest import pack_nodes
 
 FORMAT_VERSION = 2
-"""Of the file's meaning; a file of another version is refused."""
+"""Version of the file format; a file of another version is refused."""
+
+MODEL_STATURE_M = 1.75
+"""Stature of the model's person, to which all scales refer."""
+
 OFFSET_UNIT_M = 0.001
+"""Unit of stored offsets."""
+
 SPREAD_UNIT_M = 0.004
-"""Unit of spreads."""
+"""Unit of stored spreads."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,31 +40,32 @@ class SkeletonModel:
     """Arrays of the file, as they are stored.
 
     Lengths are those of a person of 1.75 m. A node's children are rows of the same forest; a negative left child
-    -1 - k says that the node is leaf k.
+    -1 - k means that the node is leaf k.
 
     Attributes:
-        probes: (F, 4) two offsets to the left and up in the image plane, in metres at the pixel's depth; the second
-            may be 0.
-        feature: (N,) what a node of the joints' forest asks for.
-        threshold: (N,) answers up to this go left.
-        left: (N,) left child; the right one is ``right``.
+        probes: (F, 4) pairs of offsets, each to the left and up in the image plane, in metres at the pixel's depth;
+            the second offset may be 0.
+        feature: (N,) feature that a node of the joints' forest tests.
+        threshold: (N,) values up to this go left.
+        left: (N,) left child.
         right: (N,) right child.
-        roots: (T,) first nodes of the trees.
+        roots: (T,) roots of the trees.
         joint: (L, K) joints that a leaf votes for.
         offset: (L, K, 3) from the pixel's point forward, up and to the left in the person's frame [mm].
-        view: (L, K, 2) what the offset has besides, whatever the yaw: to the sensor's left and away from it [mm].
+        view: (L, K, 2) part of the offset that does not rotate with the yaw: to the sensor's left and away from it
+            [mm].
         spread: (L, K) standard deviation of the offset, smallest first [4 mm].
-        yaw_feature: (M,) the same for the forest of yaws.
+        yaw_feature: (M,) as above, for the forest that votes for the yaw.
         yaw_threshold: (M,) the same.
         yaw_left: (M,) the same.
         yaw_right: (M,) the same.
         yaw_roots: (S,) the same.
-        yaw_vote: (V, 2) mean cosine and sine in a leaf [1/127].
-        support: (25,) weight of votes from which a joint is tracked.
-        posture: (R, 75) regression of all joints from those tracked, see `posture`.
-        memory: (N, 75) postures, each less the mean one [m].
+        yaw_vote: (V, 2) mean cosine and sine of a leaf [1/127].
+        support: (25,) weight of votes from which on a joint is tracked.
+        posture: (R, 75) weights of the posture regression, see `posture_prior`.
+        memory: (N, 75) remembered postures, each less the mean one [m].
         mean: (25, 3) mean posture: forward, up from the floor, left of SpineBase [m].
-        info: JSON: version, seed, config, and the hash of all other arrays.
+        info: JSON with version, seed, training configuration and the hash of all other arrays.
     """
 
     probes: NDArray[np.float16]
@@ -85,11 +92,11 @@ class SkeletonModel:
 
     @property
     def about(self) -> dict[str, Any]:
-        """What ``info`` says."""
+        """The decoded ``info``."""
         return dict(json.loads(self.info))
 
     def digest(self) -> str:
-        """SHA-256 of all arrays, in order of their names."""
+        """Return the SHA-256 of all arrays, in order of their names."""
         total = hashlib.sha256()
         for name in _DTYPES:
             array = np.ascontiguousarray(getattr(self, name))
@@ -98,7 +105,7 @@ class SkeletonModel:
         return total.hexdigest()
 
     def save(self, path: Path) -> None:
-        """Write the file; its hash is put into ``info``."""
+        """Write the file, with version and hash in its ``info``."""
         arrays = {name: getattr(self, name) for name in _DTYPES}
         info = json.dumps({**self.about, "version": FORMAT_VERSION, "sha256": self.digest()}, sort_keys=True)
         np.savez_compressed(path, info=np.array(info), **arrays)
@@ -118,7 +125,7 @@ def load_model(path: Path) -> SkeletonModel:
     """Read a model.
 
     Raises:
-        SjasimError: the file is missing, cut off, of another version, or not what it was when it was written.
+        SjasimError: the file is missing, truncated, of another version, or its arrays do not match its hash.
     """
     try:
         with np.load(path, allow_pickle=False) as file:
@@ -127,46 +134,50 @@ def load_model(path: Path) -> SkeletonModel:
         about = json.loads(info)
     except (OSError, ValueError, KeyError, EOFError) as error:
         raise SjasimError(f"skeleton model {path}: cannot be read ({error})") from error
-    except Exception as error:  # zipfile and zlib raise their own kinds on a file that is cut off
+    except Exception as error:  # zipfile and zlib raise exceptions of their own for a truncated file
         raise SjasimError(f"skeleton model {path}: broken ({error})") from error
+
     if about.get("version") != FORMAT_VERSION:
-        raise SjasimError(f"skeleton model {path}: version {about.get('version')!r}, not {FORMAT_VERSION}")
-    model = SkeletonModel(**_typed(path, arrays), info=info)
+        raise SjasimError(f"skeleton model {path}: version {about.get('version')!r}, expected {FORMAT_VERSION}")
+    model = SkeletonModel(**_check_arrays(path, arrays), info=info)
     if model.digest() != about.get("sha256"):
-        raise SjasimError(f"skeleton model {path}: its arrays are not those it was written with")
+        raise SjasimError(f"skeleton model {path}: the arrays do not match the hash that was stored with them")
     return model
 
 
-def _typed(path: Path, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+def _check_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+    """Return the arrays if their types and their number of joints are right, else raise `SjasimError`."""
     for name, dtype in _DTYPES.items():
         if arrays[name].dtype != dtype:
-            raise SjasimError(f"skeleton model {path}: {name} is {arrays[name].dtype}, not {np.dtype(dtype)}")
+            raise SjasimError(
+                f"skeleton model {path}: {name} has type {arrays[name].dtype}, expected {np.dtype(dtype)}"
+            )
     if arrays["support"].shape != (len(JOINTS),) or arrays["mean"].shape != (len(JOINTS), 3):
-        raise SjasimError(f"skeleton model {path}: not for {len(JOINTS)} joints")
+        raise SjasimError(f"skeleton model {path}: expected arrays for {len(JOINTS)} joints")
     return dict(arrays)
 
 
 @cache
 def default_model() -> SkeletonModel:
-    """The model that comes with the package."""
+    """Return the model that comes with the package."""
     return load_model(Path(str(resources.files("sjasim.assets") / "skeleton.npz")))
 
 
 @dataclass(frozen=True, slots=True)
 class RuntimeModel:
-    """A model in the types that the kernels take.
+    """A model in the types that the compiled functions take.
 
     Attributes:
-        nodes: (N, 8) of the forest that votes for joints, see `forest.descend`.
-        roots: (T,) its first nodes.
-        votes: (L, K, 7) of its leaves, the surest first: offset forward, up and to the left, and to the sensor's left
-            and away from it [mm], spread [4 mm], joint.
-        yaw_nodes: (M, 8) of the forest that votes for the yaw.
-        yaw_roots: (S,) its first nodes.
-        yaw_vote: (V, 2) cosine and sine.
-        support: (25,) threshold of a tracked joint.
-        posture: (R, 75) regression.
-        memory: (N, 75) postures, each less the mean one [m].
+        nodes: (N, 8) nodes of the joints' forest, see `forest.find_leaves`.
+        roots: (T,) roots of its trees.
+        votes: (L, K, 7) votes of its leaves, smallest spread first: offset forward, up and to the left, offset to the
+            sensor's left and away from it [mm], spread [4 mm], joint.
+        yaw_nodes: (M, 8) nodes of the yaw's forest.
+        yaw_roots: (S,) roots of its trees.
+        yaw_vote: (V, 2) mean cosine and sine of a leaf.
+        support: (25,) weight of votes from which on a joint is tracked.
+        posture: (R, 75) weights of the posture regression.
+        memory: (N, 75) remembered postures, each less the mean one [m].
         mean: (25, 3) mean posture [m].
     """
 
@@ -183,12 +194,22 @@ class RuntimeModel:
 
 
 def runtime_model(model: SkeletonModel) -> RuntimeModel:
-    """Prepare a model for use."""
+    """Return a stored model in the types that the compiled functions take."""
     m = model
     nodes, roots = pack_nodes(m.probes, m.feature, m.threshold, m.left, m.right, m.roots)
-    yaw_nodes, yaw_roots = pack_nodes(m.probes, m.yaw_feature, m.yaw_threshold, m.yaw_left, m.yaw_right, m.yaw_roots)
+    yaw_nodes, yaw_roots = pack_nodes(
+        m.probes, m.yaw_feature, m.yaw_threshold, m.yaw_left, m.yaw_right, m.yaw_roots
+    )  # fmt: skip
     votes = np.concatenate([m.offset, m.view, m.spread[..., None], m.joint[..., None]], axis=2, dtype=np.int16)
     return RuntimeModel(
-        nodes, roots, votes, yaw_nodes, yaw_roots, m.yaw_vote.astype(np.float32) / np.float32(127),
-        m.support.astype(float), m.posture.astype(float), m.memory.astype(float), m.mean.astype(float),
-    )  # fmt: skip
+        nodes=nodes,
+        roots=roots,
+        votes=votes,
+        yaw_nodes=yaw_nodes,
+        yaw_roots=yaw_roots,
+        yaw_vote=m.yaw_vote.astype(np.float32) / np.float32(127),
+        support=m.support.astype(float),
+        posture=m.posture.astype(float),
+        memory=m.memory.astype(float),
+        mean=m.mean.astype(float),
+    )

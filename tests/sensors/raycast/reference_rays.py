@@ -1,4 +1,4 @@
-"""An eye anywhere, looking at points of several owners through the compiled sight."""
+"""The compiled occlusion test, applied to points of several owners from a sensor at any position."""
 
 from __future__ import annotations
 
@@ -8,22 +8,23 @@ from sjasim.core import Solids
 from sjasim.sensors.raycast.occlusion import PROJECTED_COLUMNS, mark_occluded, project_geoms
 
 
-def hidden(
-    origin: np.ndarray, points: np.ndarray, whose: np.ndarray, flesh_m: np.ndarray, solids: Solids
+def occluded(
+    origin: np.ndarray, points: np.ndarray, owners: np.ndarray, body_depth_m: np.ndarray, geoms: Solids
 ) -> np.ndarray:
-    """(N,) which points (N, 3) something hides; the eye looks at their middle."""
-    away = points.mean(axis=0) - origin
-    left = np.cross([0.0, 0.0, 1.0], away)
-    axes = [axis / np.linalg.norm(axis) for axis in (left, np.cross(away, left), away)]
-    eye = np.concatenate([*axes, origin])
-    seen = np.empty((len(solids.rows), PROJECTED_COLUMNS))
-    project_geoms(eye, *solids, seen)
-    local = (points - origin) @ np.array(axes).T
+    """Return (N,) whether something occludes each of the points (N, 3) from a sensor that faces their middle."""
+    view = points.mean(axis=0) - origin
+    left = np.cross([0.0, 0.0, 1.0], view)
+    axes = np.array([axis / np.linalg.norm(axis) for axis in (left, np.cross(view, left), view)])
+    sensor = np.concatenate([axes.ravel(), origin])
+    projected = np.empty((len(geoms.rows), PROJECTED_COLUMNS))
+    project_geoms(sensor, *geoms, projected)
+
+    local = (points - origin) @ axes.T
     assert (local[:, 2] > 0.0).all()
     visible = np.ones(len(points), dtype=bool)
-    for owner in np.unique(whose):
-        rows = np.flatnonzero(whose == owner)
+    for owner in np.unique(owners):
+        rows = np.flatnonzero(owners == owner)
         marks = visible[rows]
-        mark_occluded(local[rows], owner, flesh_m[rows], solids.rows, solids.shape, seen, marks)
+        mark_occluded(local[rows], owner, body_depth_m[rows], geoms.rows, geoms.shape, projected, marks)
         visible[rows] = marks
     return ~visible

@@ -1,4 +1,4 @@
-"""Hidden hands are behind something: a depth picture of a screen with nothing, or a wall, beside it."""
+"""Free space in a depth image of a screen with a wall, or nothing, beside it."""
 
 from __future__ import annotations
 
@@ -8,42 +8,48 @@ import numpy as np
 import pytest
 
 from sjasim.sensors.depth_camera import Intrinsics
-from sjasim.sensors.skeleton import free_space, hand_localization, posture_prior, segmentation
-from sjasim.sensors.skeleton.segmentation import Foreground
+from sjasim.sensors.skeleton import free_space, hand_localization, posture_prior
+from sjasim.sensors.skeleton.foreground import Foreground, extract_foreground
+from sjasim.sensors.skeleton.joint_groups import PALMS
 from sjasim.sensors.skeleton.trained_model import default_model, runtime_model
 
 MODEL = runtime_model(default_model())
-PINHOLE, HEIGHT_M = Intrinsics.from_field_of_view(256, math.radians(70.6), math.radians(60.0)), 0.91
-LENS = hand_localization.image_projection(PINHOLE, HEIGHT_M)
-SCREEN_M, PLACE = 2.0, np.array([0.0, 3.0])
+INTRINSICS = Intrinsics.from_field_of_view(256, math.radians(70.6), math.radians(60.0))
+HEIGHT_M = 0.91
+PROJECTION = hand_localization.image_projection(INTRINSICS, HEIGHT_M)
+SCREEN_M = 2.0
+POSITION = np.array([0.0, 3.0])
 
 
-def image(beside_mm: int) -> np.ndarray:
-    """A screen on the side of positive x, and something or nothing beside it."""
-    depth = np.full((PINHOLE.height, PINHOLE.width), beside_mm, np.uint16)
-    depth[:, PINHOLE.width // 2 :] = round(1000 * SCREEN_M)
-    scene = Foreground.allocate(PINHOLE)
-    segmentation.extract_foreground(depth, PINHOLE, HEIGHT_M, scene)
-    return scene.image
+def image_of_screen(beside_mm: int) -> np.ndarray:
+    """Return the image of a screen at positive x, with a surface, or nothing (0), beside it."""
+    depth = np.full((INTRINSICS.height, INTRINSICS.width), beside_mm, np.uint16)
+    depth[:, INTRINSICS.width // 2 :] = round(1000 * SCREEN_M)
+    foreground = Foreground.allocate(INTRINSICS)
+    extract_foreground(depth, INTRINSICS, HEIGHT_M, foreground)
+    return foreground.image
 
 
 @pytest.mark.parametrize("beside_mm", [0, 4200])
-def test_a_hand_behind_the_screen_may_be_there_and_one_beside_it_may_not(beside_mm: int):
-    picture = image(beside_mm)
-    assert not free_space.is_free_space(picture, LENS, 0.3, 1.0, 3.0, 0.04)
-    assert free_space.is_free_space(picture, LENS, -0.3, 1.0, 3.0, 0.04)
-    assert free_space.is_free_space(picture, LENS, 0.3, 1.0, 1.5, 0.04)
-    assert not free_space.is_free_space(picture, LENS, -9.0, 1.0, 3.0, 0.04)
+def test_space_is_free_beside_and_in_front_of_the_screen_but_not_behind_it(beside_mm: int):
+    image = image_of_screen(beside_mm)
+    assert not free_space.is_free_space(image, PROJECTION, 0.3, 1.0, 3.0, 0.04)
+    assert free_space.is_free_space(image, PROJECTION, -0.3, 1.0, 3.0, 0.04)
+    assert free_space.is_free_space(image, PROJECTION, 0.3, 1.0, 1.5, 0.04)
+
+    outside_of_the_image_x_m = -9.0
+    assert not free_space.is_free_space(image, PROJECTION, outside_of_the_image_x_m, 1.0, 3.0, 0.04)
 
 
-def test_postures_whose_hand_would_hang_in_the_open_are_not_believed():
-    picture, yaw_rad = image(0), 0.3
-    counts = free_space.posture_likelihood(picture, LENS, PLACE, yaw_rad, 1.0, MODEL.memory, MODEL.mean)
+def test_a_posture_with_a_hand_in_free_space_gets_a_low_weight():
+    image = image_of_screen(0)
+    yaw_rad = 0.3
+    weights = free_space.posture_likelihood(image, PROJECTION, POSITION, yaw_rad, 1.0, MODEL.memory, MODEL.mean)
+    assert set(np.unique(weights)) == {free_space.FREE_SPACE_WEIGHT, 1.0}
+
     for n in range(0, len(MODEL.memory), 20):
-        points = posture_prior.sensor_from_body(MODEL.memory[n].reshape(25, 3) + MODEL.mean, yaw_rad) + np.array(
-            [PLACE[0], 0.0, PLACE[1]]
-        )
-        for side, (x, y, z) in enumerate(points[hand_localization.PALMS]):
-            open_air = free_space.is_free_space(picture, LENS, x, y, z, free_space.HALF_HAND_M)
-            assert counts[n, side] == (free_space.FREE_SPACE_WEIGHT if open_air else 1.0)
-    assert set(np.unique(counts)) == {free_space.FREE_SPACE_WEIGHT, 1.0}
+        body = MODEL.memory[n].reshape(25, 3) + MODEL.mean
+        points = posture_prior.sensor_from_body(body, yaw_rad) + np.array([POSITION[0], 0.0, POSITION[1]])
+        for side, (x, y, z) in enumerate(points[PALMS]):
+            free = free_space.is_free_space(image, PROJECTION, x, y, z, free_space.HALF_HAND_M)
+            assert weights[n, side] == (free_space.FREE_SPACE_WEIGHT if free else 1.0)
