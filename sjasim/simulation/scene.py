@@ -40,7 +40,15 @@ def scene_spec(
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     spec.option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
-    _add_light_and_materials(spec)
+    _set_visual_options(spec)
+    _add_textures(spec)
+    spec.worldbody.add_light(
+        pos=[3, 1.5, 8],
+        dir=[-0.4, -0.2, -1],
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        diffuse=[0.5] * 3,
+        specular=[0.1] * 3,
+    )
 
     spec.worldbody.add_geom(
         name="floor",
@@ -62,8 +70,8 @@ def scene_spec(
     return spec
 
 
-def _add_light_and_materials(spec: mujoco.MjSpec) -> None:
-    """Add what only pictures show: sky, floor texture and lamps. Rays and contacts never meet it."""
+def _set_visual_options(spec: mujoco.MjSpec) -> None:
+    """Set what only pictures show: image buffers, headlight, shadows and haze."""
     spec.visual.global_.offwidth = 1280
     spec.visual.global_.offheight = 960
     spec.visual.headlight.ambient = [0.45] * 3
@@ -77,6 +85,9 @@ def _add_light_and_materials(spec: mujoco.MjSpec) -> None:
     spec.stat.center = [0.0, 0.0, 0.8]
     spec.stat.extent = 6.0
 
+
+def _add_textures(spec: mujoco.MjSpec) -> None:
+    """Add the sky and the material of the floor; the physics and the depth sensors ignore both."""
     spec.add_texture(
         name="sky",
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
@@ -97,11 +108,3 @@ def _add_light_and_materials(spec: mujoco.MjSpec) -> None:
     )
     material = spec.add_material(name="floor", texrepeat=[0.5, 0.5], texuniform=True)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
-
-    spec.worldbody.add_light(
-        pos=[3, 1.5, 8],
-        dir=[-0.4, -0.2, -1],
-        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        diffuse=[0.5] * 3,
-        specular=[0.1] * 3,
-    )
