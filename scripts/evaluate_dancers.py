@@ -18,7 +18,14 @@ from rich.console import Console
 from rich.table import Table
 
 from sjasim.config import BodyConfig
-from sjasim.simulation.motion_trials import FULL_RANGE, collision, count_falls_after_push, dance, figures, timed_moves
+from sjasim.simulation.motion_trials import (
+    FULL_RANGE,
+    collision_trial,
+    count_falls_after_push,
+    dance_trial,
+    motion_figures,
+    timed_moves_trial,
+)
 
 FREE = BodyConfig(FULL_RANGE.model, FULL_RANGE.stature_m, FULL_RANGE.mass_kg, balance_support="none")
 PUSH_NS = 20.0
@@ -46,7 +53,7 @@ def crossings(name: str, found: dict[str, float]) -> Iterator[Row]:
 
 def dances(seeds: range, pool: Parallel) -> Iterator[Row]:
     """Whole dances with the weak tether."""
-    found = figures(pool(delayed(dance)(seed) for seed in seeds))
+    found = motion_figures(pool(delayed(dance_trial)(seed) for seed in seeds))
     yield at_least("dances without a fall", found["dances_without_a_fall"], len(seeds))
     yield at_most("worst dancer's mean pelvis error (mm)", found["pelvis_error_mean_mm"], 25)
     yield at_most("worst dancer's tether rms (N)", found["tether_rms_n"], 20)
@@ -61,7 +68,7 @@ def dances(seeds: range, pool: Parallel) -> Iterator[Row]:
 def moves(seeds: range, pool: Parallel) -> Iterator[Row]:
     """Moves of given times."""
     for duration_s in MOVES_S:
-        found = figures(pool(delayed(timed_moves)(seed, duration_s) for seed in seeds))
+        found = motion_figures(pool(delayed(timed_moves_trial)(seed, duration_s) for seed in seeds))
         yield from crossings(f"moves of {duration_s:g} s", found)
 
 
@@ -70,13 +77,13 @@ def pushes(seeds: range, pool: Parallel) -> Iterator[Row]:
     for walking in (False, True):
         falls = sum(pool(delayed(count_falls_after_push)(seed, PUSH_NS, walking=walking) for seed in seeds))
         what = "walking" if walking else "standing"
-        yield at_most(f"falls of {3 * len(seeds)} {what}, count_falls_after_push by {PUSH_NS:g} Ns", falls, 0)
+        yield at_most(f"falls of {3 * len(seeds)} {what}, pushed by {PUSH_NS:g} Ns", falls, 0)
 
 
 def robot(seeds: range, pool: Parallel) -> Iterator[Row]:
     """A robot at .5 m/s into a standing dancer."""
     for side, bearing in SIDES.items():
-        hits = pool(delayed(collision)(seed, bearing) for seed in seeds)
+        hits = pool(delayed(collision_trial)(seed, bearing) for seed in seeds)
         yield at_most(f"robot from {side}: peak force (N)", max(hit.peak_n for hit in hits), 300)
         yield at_most(f"robot from {side}: falls", sum(hit.falls for hit in hits), 0)
         yield at_most(f"robot from {side}: its speed after (m/s)", max(hit.speed_m_s for hit in hits), 0.25)
@@ -85,7 +92,7 @@ def robot(seeds: range, pool: Parallel) -> Iterator[Row]:
 
 def free(seeds: range, pool: Parallel) -> Iterator[Row]:
     """Whole dances without a tether."""
-    found = figures(pool(delayed(dance)(seed, body=FREE) for seed in seeds))
+    found = motion_figures(pool(delayed(dance_trial)(seed, body=FREE) for seed in seeds))
     yield at_least("free dances without a fall", found["dances_without_a_fall"], len(seeds) / 2)
     yield at_most("free: dancers who fell", found["falls"], math.inf)
     yield at_most("free: worst dancer's mean pelvis error (mm)", found["pelvis_error_mean_mm"], math.inf)

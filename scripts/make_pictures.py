@@ -25,7 +25,7 @@ from sjasim.record.rerun.recording import save
 from sjasim.record.rerun.viewer import screenshot
 from sjasim.session.session import Session, run_session
 from sjasim.simulation.rendering import Renderer
-from sjasim.simulation.video import captioned, lines, title
+from sjasim.simulation.video import add_captions, caption_lines, caption_title
 
 ITERATION = 1
 ROOM = (1280, 720)
@@ -50,7 +50,7 @@ class Photographer:
         """At every camera frame: whether the moment has come."""
         if self.room is None and self.session.timetable.iteration_at(now) == ITERATION and now >= self._moment():
             self.room = self._camera.frame("room", self.session.server.active)
-            self.film = captioned(self.room, title(self.session, now), lines(self.session, now))
+            self.film = add_captions(self.room, caption_title(self.session, now), caption_lines(self.session, now))
 
     def _moment(self) -> float:
         """A little after the middle of the first move forward, of the dancers' mean."""

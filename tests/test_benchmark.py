@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from sjasim.benchmark import FIGURES, results, show
-from sjasim.simulation.profiling import Meter
+from sjasim.simulation.profiling import CpuProfiler
 
 PROFILE = {
     "sim_s": 100.0,
@@ -64,9 +64,9 @@ def test_a_call_inside_anothers_counts_for_the_inner_room_only():
             while time.process_time() - begin < 0.02:
                 pass
 
-    rooms, meter = Rooms(), Meter()
-    meter.watch(rooms, "inner", "inner")
-    meter.watch(rooms, "outer", "outer")
+    rooms, meter = Rooms(), CpuProfiler()
+    meter.wrap(rooms, "inner", "inner")
+    meter.wrap(rooms, "outer", "outer")
     rooms.outer()
     assert meter.calls == {"inner": 1, "outer": 1}
     assert meter.spent_s["inner"] >= 0.02

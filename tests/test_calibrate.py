@@ -16,7 +16,7 @@ from sjasim.commands.options import main
 from sjasim.config import SessionConfig
 from sjasim.core.errors import ConfigError, PluginError, RecordError
 from sjasim.humans.timing.parameters import read_parameters
-from sjasim.simulation.cast import people
+from sjasim.simulation.cast import make_human_timing
 
 CONFIG = SessionConfig(humans="musicians", method="none")
 
@@ -27,7 +27,7 @@ def table(tmp_path):
     lines = ["session,iteration,agent,kind,t_s"]
     dance = timetable(CONFIG)
     for session in range(8):
-        model = people(SessionConfig(humans="musicians", method="none", seed=670_000 + session), dance)
+        model = make_human_timing(SessionConfig(humans="musicians", method="none", seed=670_000 + session), dance)
         for iteration in range(5):
             model.begin(iteration, None, np.zeros(3))
             for own in model.decide(-math.inf, ()):
@@ -47,7 +47,7 @@ def test_a_fit_is_kept_as_a_preset_that_dances(table, tmp_path, capsys):
     parameters = read_parameters(out)
     assert parameters.timekeeper_s == pytest.approx(0.025, rel=0.2)
     assert "sessions: 8" in parameters.about
-    model = people(SessionConfig(humans=str(out)), timetable(CONFIG))
+    model = make_human_timing(SessionConfig(humans=str(out)), timetable(CONFIG))
     model.begin(0, None, np.zeros(3))
     assert sum(len(own) for own in model.decide(0.0, ())) >= 12
     assert main(calibrate.command, [str(table), "--out", str(out)]) == 2
@@ -125,21 +125,21 @@ def test_bad_input_is_one_line(table, tmp_path, capsys):
 
 def test_people_of_a_table_dance_again(table, tmp_path):
     dance = timetable(CONFIG)
-    model = people(SessionConfig(humans=f"replay:{table}#group 3"), dance)
+    model = make_human_timing(SessionConfig(humans=f"replay:{table}#group 3"), dance)
     model.begin(2, None, np.zeros(3))
     drawn = model.decide(0.0, ())
     wanted = [line for line in table.read_text().splitlines() if line.startswith("group 3,2,dancer_2,")]
     events = [(kind, t_s) for cue in drawn[1] for kind, t_s in cue.events()]
     assert [f"{kind},{t_s:.4f}" for kind, t_s in events] == [line.split(",", 3)[3] for line in wanted]
     with pytest.raises(ConfigError, match=r"one session of the table: replay:.*#group 0"):
-        people(SessionConfig(humans=f"replay:{table}"), dance)
+        make_human_timing(SessionConfig(humans=f"replay:{table}"), dance)
     with pytest.raises(RecordError, match="does not exist"):
-        people(SessionConfig(humans="replay:nothing.csv"), dance)
+        make_human_timing(SessionConfig(humans="replay:nothing.csv"), dance)
 
 
 def test_an_own_model_needs_the_three_methods():
     with pytest.raises(PluginError, match="lacks begin, decide or next_due_s"):
-        people(SessionConfig(humans="tests.test_calibrate:nobody"), timetable(CONFIG))
+        make_human_timing(SessionConfig(humans="tests.test_calibrate:nobody"), timetable(CONFIG))
 
 
 def nobody(*_):

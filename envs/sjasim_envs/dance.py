@@ -25,7 +25,7 @@ from sjasim.core.errors import SjasimError
 from sjasim.core.method_io import MethodAction, MethodContext
 from sjasim.humans.body.body_model import body_model
 from sjasim.session.session import Session
-from sjasim.simulation.cast import people
+from sjasim.simulation.cast import make_human_timing
 from sjasim.simulation.physics_world import physics_of
 from sjasim.simulation.rendering import Renderer
 from sjasim.simulation.viewer_window import ViewerWindow
@@ -142,7 +142,7 @@ class _Dance(gym.Env[Any, Any]):
             if config.method != AGENT:
                 build_method(config.method, config.method_options)
             table = timetable(config)
-            people(config, table)
+            make_human_timing(config, table)
             body_model(config.body.model)
             mounts = layout(config).mounts
         except SjasimError as problem:

@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium.vector import AsyncVectorEnv
 
 from sjasim.simulation.physics_world import physics_of
-from sjasim.simulation.profiling import Bare, Meter, instrument
+from sjasim.simulation.profiling import CpuProfiler, PhysicsReplay, instrument_session
 
 OPTIONS: dict[str, Any] = {"iterations": 1, "dance": {"rehearsal": False}, "sensing": "joints"}
 """Of every environment that is measured."""
@@ -41,9 +41,9 @@ def profile_env() -> dict[str, Any]:
     session = env.unwrapped.session
     physics, count = physics_of(session).physics, int(session.end_s * 30)
     start = (physics.data.qpos.copy(), physics.data.qvel.copy())
-    controls = instrument(Meter(), session)
+    controls = instrument_session(CpuProfiler(), session)
     actions = _danced(env, count)
-    dances = [_turns(_begun(), Bare(physics.model, start, controls), actions) for _ in range(DANCES)]
+    dances = [_turns(_begun(), PhysicsReplay(physics.model, start, controls), actions) for _ in range(DANCES)]
     cpu_s, raw_cpu_s = np.median(dances, axis=0).sum(axis=0).tolist()
     return {"env_steps": count, "env_cpu_s": cpu_s, "env_raw_cpu_s": raw_cpu_s}
 
@@ -55,7 +55,7 @@ def _begun() -> gym.Env[Any, Any]:
     return env
 
 
-def _turns(env: Any, bare: Bare, actions: list[int]) -> list[tuple[float, float]]:
+def _turns(env: Any, bare: PhysicsReplay, actions: list[int]) -> list[tuple[float, float]]:
     """CPU time of environment and bare physics, turn by turn [s]."""
     physics, spent_s = physics_of(env.unwrapped.session).physics, []
     for done in range(0, len(actions), TURN_STEPS):

@@ -200,7 +200,7 @@ class Scorer:
     def _look(self, now: float, interval_s: float) -> None:
         """Judge where the robot is, and whom it touches."""
         config, physics = self.config, self.physics
-        if physics.contacts.bumped():
+        if physics.contacts.robot_touches_dancer():
             self.terms["reward_collision"] -= config.collision * interval_s
         if now > self._until_s:
             self._face(now)

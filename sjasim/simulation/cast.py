@@ -25,7 +25,7 @@ REPLAY = "replay:"
 """What stands before the file of recorded events."""
 
 
-def people(config: SessionConfig, timetable: Timetable) -> HumanTiming:
+def make_human_timing(config: SessionConfig, timetable: Timetable) -> HumanTiming:
     """Make the human timing model of a session.
 
     ``config.humans`` is a preset's name, a TOML file of `TimingParameters`' fields, ``replay:FILE`` of an event table
@@ -64,7 +64,7 @@ def _replay(source: str, timetable: Timetable, group: int) -> Replay:
     return Replay([event for event in events if event.session == wanted], file, timetable, group)
 
 
-def felt_error_s(cues: Sequence[Cue], robot_events: Sequence[AgentEvent]) -> float | None:
+def perceived_timing_error_s(cues: Sequence[Cue], robot_events: Sequence[AgentEvent]) -> float | None:
     """Mean distance from each robot event to the dancers' mean time of the nearest move of its kind [s].
 
     None where nobody moved or the robot did not.
@@ -82,14 +82,14 @@ def felt_error_s(cues: Sequence[Cue], robot_events: Sequence[AgentEvent]) -> flo
     return float(np.mean(errors)) if errors else None
 
 
-def person(config: SessionConfig, index: int) -> Build:
+def sample_build(config: SessionConfig, index: int) -> Build:
     """Who stands in a slot: the same under every method."""
     rng = stream(config.seed, "humans", "person", index)
     stature = rng.uniform(*config.body.stature_m)
     return Build(float(stature), float(rng.uniform(*config.body.mass_kg)))
 
 
-def performed_cues(cues: tuple[Cue, ...], faults: Sequence[FaultConfig]) -> tuple[Cue, ...]:
+def cues_with_faults(cues: tuple[Cue, ...], faults: Sequence[FaultConfig]) -> tuple[Cue, ...]:
     """Cues as they are performed by a dancer who is made late or made to stop."""
     out = cues
     for fault in faults:

@@ -63,7 +63,7 @@ class Contacts:
         away_m = np.sqrt(((data.geom_xpos[shell] - data.subtree_com[base]) ** 2).sum(axis=1))
         self._hull_m = float((away_m + self._bounds[shell]).max(initial=-np.inf))
 
-    def bumped(self) -> bool:
+    def robot_touches_dancer(self) -> bool:
         """Whether the robot touches a dancer at this moment."""
         if not _near(self._positions, self._flesh, self._bounds, self._com, self._base, self._hull_m):
             return False  # reading MuJoCo's list of contacts costs much more than this

@@ -18,7 +18,7 @@ from ..humans.motion.planner import PREVIEW_S, Planner
 from ..humans.motion.reference_trajectory import ReferenceTrajectory
 from ..humans.timing.ensemble import PREPARATION_S
 from ..humans.timing.replay import Replay
-from .cast import felt_error_s, people, performed_cues
+from .cast import cues_with_faults, make_human_timing, perceived_timing_error_s
 
 REST_S = 0.7
 """Minimum rest between a dancer's last move of an iteration and the next iteration [s]; assumed: the sway of the turn
@@ -59,7 +59,7 @@ class MotionScheduler:
         self._timetable = timetable
         self._faults = config.faults
         self._robot = robot
-        self._timing = people(config, timetable)
+        self._timing = make_human_timing(config, timetable)
         self.notices: list[Notice] = list(self._timing.notices) if isinstance(self._timing, Replay) else []
 
         heading_rad = timetable.heading_rad(timetable.first)
@@ -116,7 +116,7 @@ class MotionScheduler:
         for index, cues in enumerate(decided):
             if fallen[index] or not cues:
                 continue
-            performed = performed_cues(cues, self._faults)
+            performed = cues_with_faults(cues, self._faults)
             self._pending[index].extend(performed)
             self.cues.extend(performed)
             if performed:
@@ -154,7 +154,7 @@ class MotionScheduler:
         """Mean timing error of the robot as the dancers perceive it [s]; None where it did not dance."""
         if not self._robot or iteration < 1:
             return None
-        return felt_error_s(
+        return perceived_timing_error_s(
             [cue for cue in self.cues if cue.iteration == iteration],
             [event for event in robot_events if event.iteration == iteration],
         )

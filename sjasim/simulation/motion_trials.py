@@ -72,7 +72,7 @@ class OpenLoopWorld(PhysicsWorld):
         feet = states.ankles[:, :, :2]
         self._rows.append((np.array(now), states.root, palms, feet, states.tether, states.load, planned, landing))
 
-    def movement(self) -> MotionRecording:
+    def recording(self) -> MotionRecording:
         """What has been danced so far."""
         t_s, roots, palms, feet, tether, load, planned, landing = (
             np.array(column) for column in zip(*self._rows, strict=True)
@@ -111,7 +111,7 @@ class MotionRecording:
     cues: tuple[Cue, ...]
     falls: int
 
-    def of(self, dancer: int) -> list[Cue]:
+    def completed_cues(self, dancer: int) -> list[Cue]:
         """One dancer's cues that are over."""
         return [
             cue for cue in self.cues
@@ -119,14 +119,16 @@ class MotionRecording:
         ]  # fmt: skip
 
 
-def figures(danced: Sequence[MotionRecording]) -> dict[str, float]:
+def motion_figures(danced: Sequence[MotionRecording]) -> dict[str, float]:
     """Pooled figures: worst dancer where a figure is a dancer's, all events where it is an event's."""
     parts = [(m, d) for m in danced for d in range(len(m.weight))]
     off = [np.hypot(*(m.roots[:, d, :2] - m.planned[:, d, :2]).T) for m, d in parts]
-    events = [pair for m, d in parts for pair in timing_errors(m.t_s, m.roots[:, d], m.palms[:, d], m.of(d))]
+    events = [
+        pair for m, d in parts for pair in timing_errors(m.t_s, m.roots[:, d], m.palms[:, d], m.completed_cues(d))
+    ]
     claps = np.array([error for kind, error in events if kind is Kind.CLAP])
     edges = np.array([error for kind, error in events if kind is not Kind.CLAP])
-    rises = np.concatenate([rise_times(m.t_s, m.roots[:, d], m.of(d)) for m, d in parts])
+    rises = np.concatenate([rise_times(m.t_s, m.roots[:, d], m.completed_cues(d)) for m, d in parts])
     slid = np.concatenate([foot_slips(m.t_s, m.feet[:, d], m.landing[:, d]) for m, d in parts])
     return {
         "dances": len(danced),
@@ -157,15 +159,15 @@ def _p95(values: Array) -> float:
     return float(np.percentile(known, 95)) if len(known) else math.nan
 
 
-def dance(seed: int, iterations: int = 4, **changes: object) -> MotionRecording:
+def dance_trial(seed: int, iterations: int = 4, **changes: object) -> MotionRecording:
     """A whole dance by three people of any build, with a paper's group's jitter; the robot stands by."""
     config = SessionConfig(
         seed=seed, iterations=iterations, method="none", body=FULL_RANGE, dance=DanceConfig(rehearsal=False)
     )
-    return OpenLoopWorld(dataclasses.replace(config, **changes), robot=False).run().movement()  # type: ignore[arg-type]
+    return OpenLoopWorld(dataclasses.replace(config, **changes), robot=False).run().recording()  # type: ignore[arg-type]
 
 
-def to_and_fro(seed: int, duration_s: float, moves: int = 4, hold_s: float = 1.0) -> OpenLoopWorld:
+def walking_trial(seed: int, duration_s: float, moves: int = 4, hold_s: float = 1.0) -> OpenLoopWorld:
     """Three people of any build who go forward and backward in moves of a given time."""
     config = SessionConfig(seed=seed, iterations=1, method="none", body=FULL_RANGE, dance=DanceConfig(rehearsal=False))
     plans = []
@@ -179,14 +181,14 @@ def to_and_fro(seed: int, duration_s: float, moves: int = 4, hold_s: float = 1.0
     return OpenLoopWorld(config, plans, robot=False)
 
 
-def timed_moves(seed: int, duration_s: float) -> MotionRecording:
+def timed_moves_trial(seed: int, duration_s: float) -> MotionRecording:
     """What becomes of four moves of a given time."""
-    return to_and_fro(seed, duration_s).run(2.7 + 4 * (duration_s + 1.0)).movement()
+    return walking_trial(seed, duration_s).run(2.7 + 4 * (duration_s + 1.0)).recording()
 
 
 def count_falls_after_push(seed: int, impulse_ns: float, *, walking: bool) -> int:
-    """How many of three people fall who are count_falls_after_push sideways, once each, one to the left, the next to the right."""
-    trial = to_and_fro(seed, 2.0, moves=4 if walking else 0).run(2.5)
+    """How many of three people fall who are pushed sideways, once each, one to the left, the next to the right."""
+    trial = walking_trial(seed, 2.0, moves=4 if walking else 0).run(2.5)
     for dancer in range(3):
         left = float(trial.physics.yaw_rad[dancer]) + math.pi / 2
         force = (-1) ** (seed + dancer) * impulse_ns / PUSH_S * np.array([math.cos(left), math.sin(left), 0.0])
@@ -194,7 +196,7 @@ def count_falls_after_push(seed: int, impulse_ns: float, *, walking: bool) -> in
         trial.run(trial.time_s + PUSH_S)
         trial.physics.push(dancer, np.zeros(3))
         trial.run(trial.time_s + 0.13)
-    return trial.run(trial.time_s + 5.0).movement().falls
+    return trial.run(trial.time_s + 5.0).recording().falls
 
 
 @dataclasses.dataclass(frozen=True)
@@ -214,7 +216,7 @@ class Collision:
     falls: int
 
 
-def collision(seed: int, from_rad: float, speed_m_s: float = 0.5) -> Collision:
+def collision_trial(seed: int, from_rad: float, speed_m_s: float = 0.5) -> Collision:
     """Drive the robot into the first of three standing people of any build.
 
     Args:
@@ -222,7 +224,7 @@ def collision(seed: int, from_rad: float, speed_m_s: float = 0.5) -> Collision:
         from_rad: where the robot comes from, as the dancer sees it: 0 from ahead, counter-clockwise.
         speed_m_s: how fast; it drives on whatever happens.
     """
-    trial = to_and_fro(seed, 2.0, moves=0)
+    trial = walking_trial(seed, 2.0, moves=0)
     trial = OpenLoopWorld(trial._config, [[], [], []])
     physics, robot = trial.physics, trial._config.robot
     root = physics.states().root[0]
@@ -242,4 +244,4 @@ def collision(seed: int, from_rad: float, speed_m_s: float = 0.5) -> Collision:
         ends.append(np.array(physics.robot_pose()[:2]))
     towards = -np.array([math.cos(bearing), math.sin(bearing)])
     back = round(0.5 / tick_s)
-    return Collision(peak, sway, float((ends[-1] - ends[-1 - back]) @ towards / 0.5), trial.movement().falls)
+    return Collision(peak, sway, float((ends[-1] - ends[-1 - back]) @ towards / 0.5), trial.recording().falls)

@@ -22,7 +22,7 @@ from ..sensors.client import ROUNDING_S, SensorClient
 from ..sensors.skeleton_source import SkeletonSource
 from ..session.session import Session
 from ..session.world import DownlinkMessage, UplinkMessage
-from .cast import person
+from .cast import sample_build
 from .control_loop import STOPPED, DancerController, RobotController
 from .motion_scheduler import MotionScheduler
 from .physics import Physics
@@ -94,7 +94,7 @@ class PhysicsWorld:
 
     def _make_dancers(self, layout: Layout, given_cues: Sequence[Sequence[Cue]] | None) -> None:
         config, timetable = self._config, self._timetable
-        builds = [person(config, index) for index in range(config.dancers)]
+        builds = [sample_build(config, index) for index in range(config.dancers)]
         self.anatomies = [body_model(config.body.model).anatomy(build) for build in builds]
 
         rows = math.ceil((self.end_s + 1.0) * config.physics.control_hz) + 1

@@ -17,14 +17,14 @@ from .physics_world import physics_of
 
 
 @dataclass(slots=True)
-class Meter:
+class CpuProfiler:
     """CPU seconds and calls by room; a call inside another room's call counts for the inner one only."""
 
     spent_s: dict[str, float] = field(default_factory=dict)
     calls: dict[str, int] = field(default_factory=dict)
     _inner_s: list[float] = field(default_factory=lambda: [0.0])
 
-    def watch(self, owner: Any, name: str, room: str) -> None:
+    def wrap(self, owner: Any, name: str, room: str) -> None:
         """Count every call of one object's method for a room."""
         original: Callable[..., Any] = getattr(owner, name)
 
@@ -56,12 +56,12 @@ def profile(config: SessionConfig) -> dict[str, Any]:
     warm = Session(config)
     warm.advance(WARM_S)
     warm.log()
-    meter, metered = Meter(), Session(config)
+    meter, metered = CpuProfiler(), Session(config)
     start = (physics_of(metered).physics.data.qpos.copy(), physics_of(metered).physics.data.qvel.copy())
-    controls = instrument(meter, metered)
+    controls = instrument_session(meter, metered)
     metered.advance(metered.end_s)
     metered.log()
-    bare = Bare(physics_of(metered).physics.model, start, controls)
+    bare = PhysicsReplay(physics_of(metered).physics.model, start, controls)
     begin = time.process_time()
     plain = Session(config)
     cpu_s, raw_cpu_s = time.process_time() - begin, 0.0
@@ -94,13 +94,13 @@ TURN_S = 4.0
 """Simulated seconds of each turn."""
 
 
-class Bare:
+class PhysicsReplay:
     """The same physics with nothing around it.
 
     Args:
         model: of the session.
         start: its first positions and velocities.
-        controls: what `instrument` recorded.
+        controls: what `instrument_session` recorded.
     """
 
     def __init__(self, model: Any, start: tuple[Array, Array], controls: list[tuple[int, Array]]) -> None:
@@ -121,7 +121,7 @@ class Bare:
             self._tick = until
 
 
-def instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
+def instrument_session(meter: CpuProfiler, session: Session) -> list[tuple[int, Array]]:
     """Watch every room of a session; returns the list that its controls will be recorded in.
 
     The turns of dancers and robot write their rows of the log themselves, so these count for stabiliser and robot.
@@ -151,7 +151,7 @@ def instrument(meter: Meter, session: Session) -> list[tuple[int, Array]]:
         hooks = ("on_event", "on_iteration_start", "on_iteration_end", "on_timer")
         watched += [(session.method, name, "decision") for name in hooks]
     for owner, name, room in watched:
-        meter.watch(owner, name, room)
+        meter.wrap(owner, name, room)
     return controls
 
 
@@ -171,8 +171,8 @@ def profile_depth(config: SessionConfig) -> dict[str, Any]:
     session.advance(session.end_s)
     session.log()
     cpu_s = time.process_time() - begin
-    meter, watched = Meter(), Session(config)
-    meter.watch(physics_of(watched).sensing[watched.server.active], "sample", "depth")
+    meter, watched = CpuProfiler(), Session(config)
+    meter.wrap(physics_of(watched).sensing[watched.server.active], "sample", "depth")
     watched.advance(WARM_S)
     return {
         "depth_sim_s": session.end_s,

@@ -64,7 +64,9 @@ class VideoWriter:
         if self._frames % EVERY == 0:
             picture = self._renderer.frame(self._camera, self._session.server.active)
             self._writer.send(
-                np.ascontiguousarray(captioned(picture, title(self._session, now), lines(self._session, now)))
+                np.ascontiguousarray(
+                    add_captions(picture, caption_title(self._session, now), caption_lines(self._session, now))
+                )
             )
         self._frames += 1
 
@@ -90,14 +92,14 @@ def check_writer() -> None:
         raise RecordError("films need imageio-ffmpeg: pip install imageio-ffmpeg") from None
 
 
-def title(session: Session, now: float) -> str:
+def caption_title(session: Session, now: float) -> str:
     """Time, iteration, and what the method last said."""
     iteration = session.timetable.iteration_at(now)
     name = f"iteration {iteration}" if iteration else "rehearsal"
     return f"{now:5.1f} s   {name}   method {session.config.method}   active sensor: {session.server.active}"
 
 
-def lines(session: Session, now: float) -> list[tuple[str, tuple[int, int, int]]]:
+def caption_lines(session: Session, now: float) -> list[tuple[str, tuple[int, int, int]]]:
     """What was seen and done of late, oldest first, each with its agent's colour."""
     found: list[tuple[float, str, tuple[int, int, int]]] = []
     for event in session.events[-40:]:
@@ -113,7 +115,7 @@ def lines(session: Session, now: float) -> list[tuple[str, tuple[int, int, int]]
     return [(f"{t_s:6.2f}  {text}", colour) for t_s, text, colour in sorted(found)[-LINES:]]
 
 
-def captioned(picture: Picture, head: str, below: Sequence[tuple[str, tuple[int, int, int]]]) -> Picture:
+def add_captions(picture: Picture, head: str, below: Sequence[tuple[str, tuple[int, int, int]]]) -> Picture:
     """A picture with a line above and lines below, on a light ground."""
     from PIL import Image, ImageDraw, ImageFont
 
@@ -131,4 +133,4 @@ def captioned(picture: Picture, head: str, below: Sequence[tuple[str, tuple[int,
     return np.asarray(image, dtype=np.uint8)
 
 
-__all__ = ["RenderError", "VideoWriter", "captioned", "check_writer", "lines", "title"]
+__all__ = ["RenderError", "VideoWriter", "add_captions", "caption_lines", "caption_title", "check_writer"]

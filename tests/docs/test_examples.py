@@ -26,7 +26,7 @@ from sjasim.config.toml_file import from_plain, to_plain
 from sjasim.core.errors import SjasimError
 from sjasim.core.method_io import MethodContext, ScheduleCommand
 from sjasim.record.parquet import write_rows
-from sjasim.simulation.cast import people
+from sjasim.simulation.cast import make_human_timing
 
 from ..analysis.synthetic import session
 
@@ -152,7 +152,7 @@ def test_the_readmes_participants_are_fitted_and_dance(tmp_path, monkeypatch, ca
     """Every command of "Your own participants", beside a session's folder; of `run` all but the dancing."""
     config = SessionConfig(humans="musicians", iterations=4)
     table = timetable(config)
-    model, cues = people(config, table), []
+    model, cues = make_human_timing(config, table), []
     for iteration in range(5):
         model.begin(iteration, None, np.zeros(3))
         cues += [cue for own in model.decide(0.0, ()) for cue in own]
@@ -164,7 +164,7 @@ def test_the_readmes_participants_are_fitted_and_dance(tmp_path, monkeypatch, ca
     danced = []
 
     def dance(config, audience=None):
-        model = people(config, timetable(config))
+        model = make_human_timing(config, timetable(config))
         model.begin(0, None, np.zeros(config.dancers))
         danced.append([cue for own in model.decide(0.0, ()) for cue in own])
         raise SjasimError("enough")

@@ -37,7 +37,7 @@ class Story:
         self.pose, self.touching = (0.0, 0.0), False
         room = layout(CONFIG)
         physics = SimpleNamespace(
-            contacts=SimpleNamespace(bumped=lambda: self.touching),
+            contacts=SimpleNamespace(robot_touches_dancer=lambda: self.touching),
             robot_pose=lambda: (room.robot[0] + self.pose[0], room.robot[1] + self.pose[1], math.pi / 2),
         )
         self.session = SimpleNamespace(

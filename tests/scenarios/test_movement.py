@@ -6,14 +6,20 @@ import math
 import pytest
 
 from sjasim.config import DanceConfig
-from sjasim.simulation.motion_trials import FULL_RANGE, collision, count_falls_after_push, dance, figures
+from sjasim.simulation.motion_trials import (
+    FULL_RANGE,
+    collision_trial,
+    count_falls_after_push,
+    dance_trial,
+    motion_figures,
+)
 
 DANCE = DanceConfig(rehearsal=False)
 
 
 @pytest.mark.parametrize("side", [0.0, math.pi / 2, math.pi, -math.pi / 2], ids=["front", "left", "back", "right"])
 def test_a_robot_that_drives_into_a_dancer_is_stopped_and_the_dancer_sways(side):
-    hit = collision(9601, side)
+    hit = collision_trial(9601, side)
     assert 50.0 < hit.peak_n < 300.0
     assert hit.falls == 0
     assert hit.speed_m_s < 0.05
@@ -29,7 +35,7 @@ def test_a_push_of_20_newton_seconds_fells_nobody(walking):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper", "march", "waltz"])
 def test_a_dance_by_unknown_people_is_on_its_feet_and_on_time(name):
-    found = figures([dance(9611, iterations=2, dance=dataclasses.replace(DANCE, name=name))])
+    found = motion_figures([dance_trial(9611, iterations=2, dance=dataclasses.replace(DANCE, name=name))])
     assert found["falls"] == found["crossings_missing"] == found["claps_missing"] == 0
     assert found["pelvis_error_mean_mm"] <= 25
     assert found["tether_rms_n"] <= 20
@@ -43,6 +49,6 @@ def test_a_dance_by_unknown_people_is_on_its_feet_and_on_time(name):
 
 @pytest.mark.slow
 def test_dancers_who_balance_alone_finish_a_dance():
-    alone = figures([dance(9621, body=dataclasses.replace(FULL_RANGE, balance_support="none"))])
+    alone = motion_figures([dance_trial(9621, body=dataclasses.replace(FULL_RANGE, balance_support="none"))])
     assert alone["falls"] == 0
     assert alone["tether_rms_n"] == 0.0

@@ -112,7 +112,7 @@ def test_it_bumps_where_a_contact_says_so():
         mujoco.mj_forward(physics.model, physics.data)
         names = [[physics.model.geom(geom).name.partition("/")[0] for geom in one.geom] for one in physics.data.contact]
         touched.append(any({"robot", "dancer_1"} == set(pair) for pair in names))
-        assert physics.contacts.bumped() == touched[-1]
+        assert physics.contacts.robot_touches_dancer() == touched[-1]
     assert (touched[0], touched[-1]) == (False, True)
 
 

@@ -10,7 +10,7 @@ from sjasim.config import DanceConfig, FaultConfig, SessionConfig
 from sjasim.core import ROBOT, ClientStatus, Cue, Kind, Move, SyncRequest
 from sjasim.core.session_log import AgentEvent
 from sjasim.humans.motion.planner import PREVIEW_S, Planner
-from sjasim.simulation.cast import felt_error_s
+from sjasim.simulation.cast import perceived_timing_error_s
 from sjasim.simulation.physics_world import PhysicsWorld
 
 CONFIG = SessionConfig(
@@ -83,9 +83,9 @@ def test_what_dancers_feel_of_the_robot_is_its_distance_from_their_mean():
     cues = [Cue(f"dancer_{k}", Move.FORWARD, 1, 0, 0.0, 10.0 + 0.2 * k, 2.0) for k in range(3)]
     clap = Cue("dancer_1", Move.CLAP, 1, 8, 32.0, 26.0, 0.0)
     robot = [AgentEvent(1, ROBOT, Kind.START_FORWARD, 10.5), AgentEvent(1, ROBOT, Kind.TURN, 26.5)]
-    assert felt_error_s([*cues, clap], robot) == pytest.approx((0.3 + 0.5) / 2)
-    assert felt_error_s(cues, []) is None
-    assert felt_error_s([], robot) is None
+    assert perceived_timing_error_s([*cues, clap], robot) == pytest.approx((0.3 + 0.5) / 2)
+    assert perceived_timing_error_s(cues, []) is None
+    assert perceived_timing_error_s([], robot) is None
 
 
 def test_every_move_is_planned_when_it_is_due_and_not_before(monkeypatch):

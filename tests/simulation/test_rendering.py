@@ -8,7 +8,7 @@ from sjasim.choreography.timetable import timetable
 from sjasim.config import SessionConfig
 from sjasim.simulation.physics_world import PhysicsWorld
 from sjasim.simulation.rendering import CAMERAS, Renderer, RenderError
-from sjasim.simulation.video import captioned
+from sjasim.simulation.video import add_captions
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def test_without_opengl_the_package_is_named(world, monkeypatch):
 
 def test_captions_are_drawn_over_the_picture():
     blank = np.full((180, 320, 3), 128, dtype=np.uint8)
-    picture = captioned(blank, "1.0 s", [("dancer_1 claps", (200, 0, 0))])
+    picture = add_captions(blank, "1.0 s", [("dancer_1 claps", (200, 0, 0))])
     assert (picture[:20] != 128).any()
     assert (picture[-20:] != 128).any()
     assert (picture[60:120] == 128).all()
