@@ -28,6 +28,9 @@ PROBE = "import json, struct, sys; print(json.dumps([list(sys.version_info[:2]),
 SETS = ("run", "optional", "test")
 """Package sets, smallest first; requirements/NAME.txt lists a set, and each set contains those before it."""
 
+COMPILED_PARTS = ("session", "skeletons")
+"""Parts of sjasim.simulation.precompile, each compiled by a process of its own."""
+
 OPTIONAL = ("--plots", "--video", "--mcap")
 """Options of commands that need the packages of the set "optional"."""
 
@@ -143,12 +146,57 @@ def install(python: str, wanted: str) -> None:
 
     # The packages of a larger set stay installed, so they must follow the lock files as well.
     complete_set = larger_set(known, wanted)
-    for title, stage in stages(complete_set):
-        say(f"sjasim: installing {title}")
-        call([*installer(uv), *stage], "the installation failed (see above); the same command tries again")
+    *first, last = stages(complete_set)
+    for stage in first:
+        install_stage(uv, stage)
 
-    write_stamp({**known, "project": project, "set": complete_set})
+    # The last stage mostly waits for downloads and the disk, so the processor is free for compiling.
+    compilers = [] if known.get("compiled") == project else start_compiling()
+    try:
+        install_stage(uv, last)
+        wait_for(compilers)
+    finally:
+        for process in compilers:
+            process.kill()
+
+    write_stamp({**known, "project": project, "compiled": project, "set": complete_set})
     say("sjasim: installed.")
+
+
+def install_stage(uv: object, stage: tuple) -> None:
+    """Carry out one stage of the installation.
+
+    Raises:
+        ProblemError: the installer failed.
+    """
+    title, arguments = stage
+    say(f"sjasim: installing {title}")
+    call([*installer(uv), *arguments], "the installation failed (see above); the same command tries again")
+
+
+def start_compiling() -> list:
+    """Start the processes that compile sjasim's functions for this machine, one for each part.
+
+    What they leave out, the first session compiles.
+    """
+    commands = [[str(PYTHON), "-m", "sjasim.simulation.precompile", part] for part in COMPILED_PARTS]
+    return [
+        subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=str(ROOT))
+        for command in commands
+    ]
+
+
+def wait_for(processes: list) -> None:
+    """Wait until processes have ended, and report from time to time that they still run."""
+    if any(process.poll() is None for process in processes):
+        say("sjasim: compiling for this machine, the first time only")
+    for process in processes:
+        while True:
+            try:
+                process.wait(timeout=PROGRESS_S)
+                break
+            except subprocess.TimeoutExpired:
+                say("sjasim: still compiling")
 
 
 def stages(wanted: str) -> list:
@@ -209,7 +257,7 @@ def read_stamp() -> dict:
 
 
 def write_stamp(stamp: dict) -> None:
-    """Record the interpreter of .venv, the installed set, and once it is complete the project's hash."""
+    """Record the interpreter of .venv, and of a complete installation its set and the project's hash."""
     STAMP.write_text(json.dumps(stamp), encoding="utf-8")
 
 

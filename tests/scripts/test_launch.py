@@ -34,6 +34,7 @@ def launch(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "PYTHON", tmp_path / ".venv" / "bin" / "python")
     module.calls = []
     monkeypatch.setattr(module, "call", lambda command, complaint: fake_call(module, command))
+    monkeypatch.setattr(module, "start_compiling", lambda: module.calls.append(["compile"]) or [])
     monkeypatch.setattr(module, "run", lambda command, folder: module.calls.append(command) or 7)
     monkeypatch.setattr(module, "usable", lambda uv: module.PYTHON.exists())
     monkeypatch.setattr(module.shutil, "which", lambda name: None if name == "uv" else name)
@@ -52,6 +53,29 @@ def installed(launch):
     """Lock files that the recorded steps installed, in order, with "sjasim" for the package itself."""
     steps = [command for command in launch.calls if "install" in command]
     return ["sjasim" if "-e" in step else Path(step[-1]).stem for step in steps]
+
+
+def test_functions_are_compiled_while_the_last_stage_is_installed_and_once_only(launch):
+    launch.main(["run"])
+    assert launch.calls[-3] == ["compile"]
+    assert "run.txt" in launch.calls[-2][-1]
+
+    launch.calls.clear()
+    launch.main(["test"])  # adds packages; the functions are compiled already
+    assert installed(launch)
+    assert ["compile"] not in launch.calls
+
+
+def test_compiling_names_parts_that_exist_and_waits_with_a_line(monkeypatch, capsys):
+    from sjasim.simulation.precompile import PARTS
+
+    module = load()
+    assert set(module.COMPILED_PARTS) == set(PARTS)
+    monkeypatch.setattr(module, "PROGRESS_S", 0.1)
+    module.wait_for([subprocess.Popen([sys.executable, "-c", "import time; time.sleep(0.5)"])])
+    said = capsys.readouterr().err
+    assert "compiling for this machine" in said
+    assert "still compiling" in said
 
 
 def fake_call(module, command):
@@ -78,7 +102,7 @@ def test_first_use_installs_and_the_second_does_not(launch, tmp_path, capsys):
 
 def test_only_locked_files_are_fetched(launch, tmp_path):
     launch.main(["run"])
-    simulation, package, rest = launch.calls[1:4]
+    simulation, package, rest = [command for command in launch.calls if "install" in command]
     for step, name in ((simulation, "simulation"), (rest, "run")):
         assert step[1:4] == ["-m", "pip", "install"]
         assert step[-3:] == ["--require-hashes", "-r", str(tmp_path / "requirements" / f"{name}.txt")]
