@@ -1,18 +1,29 @@
-"""sjasim: three dancers and a robot, in simulation, to try group coordination before people are recruited.
+"""sjasim simulates dancers and a robot who coordinate in a group, to try out methods before people are recruited.
 
-The public names are loaded when they are first used, so that importing the package stays quick and brings in
-neither MuJoCo nor rerun.
+Public names:
+    SessionConfig: configuration of one session.
+    run_session: simulates a session and returns its log.
+    SessionLog: everything that a session leaves behind.
+    measures: synchrony, timing and component measures of a log.
+    synchrony: module with the synchrony equations for event times of any source.
+    detect_events: detects events in recorded joints.
+    fit_timing: fits the human timing model to recorded groups.
+    __version__: version of the package.
+
+A name is loaded when it is first used, so that ``import sjasim`` is quick and imports neither MuJoCo nor rerun. The
+import also registers the Gymnasium environments.
 """
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
 import importlib
 import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from .core import compiled_cache as _compiled_cache
 
 if TYPE_CHECKING:
     from .analysis.calibration.event_table_fit import fit_timing
@@ -26,8 +37,15 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "SessionConfig", "SessionLog", "__version__", "detect_events", "fit_timing", "measures", "run_session", "synchrony",
-]  # fmt: skip
+    "SessionConfig",
+    "SessionLog",
+    "__version__",
+    "detect_events",
+    "fit_timing",
+    "measures",
+    "run_session",
+    "synchrony",
+]
 
 _PUBLIC = {
     "SessionConfig": (".config", "SessionConfig"),
@@ -38,14 +56,16 @@ _PUBLIC = {
     "run_session": (".session.session", "run_session"),
     "synchrony": (".anticipation.synchrony", None),
 }
+"""Public name -> the module that holds it, and its name there; None for the module itself."""
 
 
 def __getattr__(name: str) -> object:
-    """Load a public name when it is first asked for."""
+    """Load a public name when it is first used."""
     if name not in _PUBLIC:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    place, attribute = _PUBLIC[name]
-    module = importlib.import_module(place, __name__)
+
+    module_name, attribute = _PUBLIC[name]
+    module = importlib.import_module(module_name, __name__)
     value: object = getattr(module, attribute) if attribute else module
     globals()[name] = value
     return value
@@ -55,13 +75,15 @@ def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})
 
 
-def _pick_gl() -> None:
-    """Choose an off-screen OpenGL for MuJoCo on a Linux machine without a display, before MuJoCo is loaded.
+def _choose_opengl() -> None:
+    """Choose an off-screen OpenGL library for MuJoCo on a Linux machine without a display.
 
-    A choice made by the user stands. With no library at all rendering is disabled; sensors cast rays and need none.
+    MuJoCo reads the choice when it is imported. A choice of the user's stands. Without any such library rendering is
+    disabled, but the sensors still work: they cast rays.
     """
     if "MUJOCO_GL" in os.environ or not sys.platform.startswith("linux") or os.environ.get("DISPLAY"):
         return
+
     for library, name in (("libEGL.so.1", "egl"), ("libOSMesa.so.8", "osmesa")):
         try:
             ctypes.CDLL(library)
@@ -72,36 +94,19 @@ def _pick_gl() -> None:
     os.environ["MUJOCO_GL"] = "disable"
 
 
-def _forget_stale(*places: Path) -> None:
-    """Drop compiled functions that are older than the newest source of any.
-
-    Numba sees when a function's own file has changed, not when one has that holds what it calls: after an update of
-    the sources the old code would go on being called, without a word.
-    """
-    kept = [index for place in places for index in place.rglob("*.nbi")]
-    written = (path for place in places for path in place.rglob("*.py")) if kept else ()
-    marks = (b"@njit", b"@compiled_")
-    sources = (path for path in written if any(mark in path.read_bytes() for mark in marks))
-    newest_s = max((path.stat().st_mtime for path in sources), default=0.0)
-    with contextlib.suppress(OSError):  # who may not write there has no caches of their own there either
-        for index in kept:
-            if index.stat().st_mtime < newest_s:
-                index.unlink(missing_ok=True)
-
-
 def _register_environments() -> None:
-    """Make the Gymnasium ids known; from a clone that is not installed they are found beside the package."""
+    """Register the Gymnasium ids; in a clone that is not installed the environments stand beside the package."""
     try:
         importlib.import_module("sjasim_envs")
     except ModuleNotFoundError as missing:
-        skin = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "envs")
-        if missing.name != "sjasim_envs" or not os.path.isdir(os.path.join(skin, "sjasim_envs")):
+        folder = Path(__file__).absolute().parent.parent / "envs"
+        if missing.name != "sjasim_envs" or not (folder / "sjasim_envs").is_dir():
             raise
-        sys.path.append(skin)
+        sys.path.append(str(folder))
         importlib.import_module("sjasim_envs")
 
 
-_pick_gl()
-_here = Path(__file__).parent
-_forget_stale(_here, _here.parent / "sjasim_envs", _here.parent / "envs")
+_choose_opengl()
+_folder = Path(__file__).parent
+_compiled_cache.prepare(_folder, _folder.parent / "sjasim_envs", _folder.parent / "envs")
 _register_environments()

@@ -12,7 +12,7 @@ import sjasim
 from sjasim import calibrate
 from sjasim.analysis.calibration.event_table_fit import as_toml
 from sjasim.choreography.timetable import timetable
-from sjasim.commands.options import main
+from sjasim.commands.main import main
 from sjasim.config import SessionConfig
 from sjasim.core.errors import ConfigError, PluginError, RecordError
 from sjasim.humans.timing.parameters import read_parameters

@@ -12,7 +12,7 @@ import pytest
 
 from sjasim import calibrate, detect
 from sjasim.assets.names import JOINT_INDEX, JOINTS
-from sjasim.commands.options import main
+from sjasim.commands.main import main
 from sjasim.sensors.recordings.detect import recording
 from sjasim.sensors.recordings.validation import quality_warnings
 

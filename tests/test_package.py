@@ -1,23 +1,31 @@
-"""What importing the package does."""
+"""The package's public names."""
 
-import os
+import re
+import subprocess
+import sys
 
 import pytest
 
 import sjasim
 
 
-@pytest.mark.parametrize("decorator", ["@njit(cache=True)", "@compiled_entry", "@compiled_inner"])
-def test_compiled_functions_older_than_any_compiled_source_are_forgotten(tmp_path, decorator):
-    def put(name, age_s, text=""):
-        path = tmp_path / name
-        path.write_text(text)
-        os.utime(path, (1e9 - age_s, 1e9 - age_s))
-        return path
+@pytest.mark.parametrize("name", sjasim.__all__)
+def test_every_public_name_can_be_imported(name):
+    assert getattr(sjasim, name) is not None
+    assert name in dir(sjasim)
 
-    put("calls.py", 100, "@njit(cache=True)")
-    put("called.py", 50, decorator)
-    put("plain.py", 10)
-    old, new = put("calls.f-1.py311.nbi", 60), put("called.g-1.py311.nbi", 40)
-    sjasim._forget_stale(tmp_path, tmp_path / "absent")
-    assert (old.exists(), new.exists()) == (False, True)
+
+def test_a_star_import_gives_the_public_names():
+    code = "from sjasim import *; import sjasim; print([name for name in sjasim.__all__ if name not in globals()])"
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert answer.stdout.strip() == "[]"
+
+
+def test_the_public_names_are_those_that_the_package_documents():
+    documented = re.findall(r"^    (\w+): ", sjasim.__doc__, re.M)
+    assert sorted(documented) == sorted(sjasim.__all__)
+
+
+def test_another_name_is_refused():
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        sjasim.nothing  # noqa: B018

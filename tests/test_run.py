@@ -9,7 +9,8 @@ import types
 import pytest
 
 from sjasim import benchmark, run
-from sjasim.commands.options import main
+from sjasim.commands.main import main
+from sjasim.commands.result_table import session_title
 from sjasim.config import DanceConfig, SessionConfig
 from sjasim.config.toml_file import from_plain, to_plain, to_toml
 
@@ -22,7 +23,7 @@ def danced(monkeypatch):
     """Sessions made by formula stand in for danced ones; the configurations that were asked for."""
     asked = []
 
-    def run_session(config, progress=None):
+    def run_session(config, progress=None, prepare=None):
         asked.append(config)
         progress(0.5)
         robot = config.method != "none"
@@ -83,8 +84,8 @@ def test_the_table_says_which_sum_it_has_and_what_is_unusual(danced, capsys):
     assert re.search(r"│ +mean .* \d+ in all │", out)
     usual = {"method": "eca", "seed": 1, "humans": "novices"}
     config = SessionConfig(sensing="joints", dancers=5, layout="rows", dance=DanceConfig(name="march"))
-    assert run.title({**usual, "config": to_plain(SessionConfig())}) == "eca, seed 1, novices dancers"
-    assert run.title({**usual, "config": to_plain(config)}) == (
+    assert session_title({**usual, "config": to_plain(SessionConfig())}) == "eca, seed 1, novices dancers"
+    assert session_title({**usual, "config": to_plain(config)}) == (
         "eca, seed 1, novices dancers, march, sensing joints, layout rows, dancers 5"
     )
 
@@ -94,7 +95,7 @@ def test_a_request_to_end_removes_what_is_half_written(danced, monkeypatch, tmp_
     import os
     import signal
 
-    def asked_to_end(config, progress=None):
+    def asked_to_end(config, progress=None, prepare=None):
         os.kill(os.getpid(), signal.SIGTERM)
         signal.pause()
 
@@ -117,7 +118,7 @@ def test_a_request_to_end_removes_what_is_half_written(danced, monkeypatch, tmp_
 def test_json_is_all_there_is_and_equals_the_folder(danced, capsys, tmp_path):
     assert call("--json", "--iterations", "1", "--out", str(tmp_path / "one")) == 0
     out = capsys.readouterr().out
-    assert json.loads(out)["schema"] == 1
+    assert json.loads(out)["schema"] == 2
     assert (tmp_path / "one" / "session.json").read_text() == out
     assert (tmp_path / "one" / "session.rrd").exists()
 
@@ -154,7 +155,7 @@ def test_flags_override_the_file(danced, tmp_path, capsys):
         (["--methode", "sia"], "error: Unrecognized options: --methode, sia; perhaps you meant --method (see"),
         (["--config", "/no/such.toml"], "/no/such.toml"),
         (["--out", "/proc/nowhere/x"], "/proc/nowhere/x"),
-        (["--method-options", "wndow_s", "1"], "window_s"),
+        (["--method-options.wndow-s", "1"], "perhaps you meant --method-options.window-s"),
         (["--fidelity", "exact"], "physics"),
     ],
 )
@@ -176,7 +177,7 @@ def test_help_exits_with_0(danced, capsys):
 
 
 def test_ctrl_c_gives_130_and_leaves_nothing(danced, monkeypatch, tmp_path, capsys):
-    def interrupted(config, progress=None):
+    def interrupted(config, progress=None, prepare=None):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(sys.modules["sjasim.session.session"], "run_session", interrupted)
@@ -185,10 +186,10 @@ def test_ctrl_c_gives_130_and_leaves_nothing(danced, monkeypatch, tmp_path, caps
 
 
 def test_the_benchmark_names_every_figure(danced, capsys, monkeypatch):
-    monkeypatch.setattr(benchmark, "import_s", lambda: 0.1)
+    monkeypatch.setattr(benchmark.figures, "import_time_s", lambda: 0.1)
     assert main(benchmark.command, ["--json"]) == 0
     report = json.loads(capsys.readouterr().out)
-    assert set(report["figures"]) == set(benchmark.FIGURES)
+    assert set(report["figures"]) == set(benchmark.figures.UNITS)
     assert report["figures"]["session_cost_ratio_joints"] == 1.5
     assert report["figures"]["raw_physics_sim_s_per_cpu_s"] == 30.0
     assert report["figures"]["planning_cpu_s"] == pytest.approx(0.001)

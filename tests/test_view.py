@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from sjasim import export, view
+from sjasim.analysis import viewing
 from sjasim.analysis.delay_breakdown import delay_report
 from sjasim.analysis.session_metrics import measures
-from sjasim.commands.options import main
+from sjasim.commands.main import main
 from sjasim.record import atomic_folder, session_folder
 
 from .analysis.synthetic import session
@@ -64,7 +65,7 @@ def test_joints_come_back_from_the_recording(log, kept):
 
 
 def test_two_sessions_share_one_axis(kept, tmp_path):
-    recording, _ = view.prepared([kept, kept], tmp_path)
+    recording = viewing.viewable_recording([kept, kept], tmp_path)
     entities = {entity for entity, _ in read_chunks(recording)}
     for part in ("world/dancer_1/true", "world/dancer_1/tracked", "lanes/robot/moved", "curves/group/gsi"):
         assert {f"/A-sia-0/{part}", f"/B-sia-0/{part}"} <= entities
@@ -72,14 +73,14 @@ def test_two_sessions_share_one_axis(kept, tmp_path):
 
 def test_a_folder_without_a_recording_gets_one(log, tmp_path):
     bare = session_folder.write(log, tmp_path / "bare", measures(log).as_dict(), recording=False)
-    recording, moment = view.prepared([bare], tmp_path)
+    recording = viewing.viewable_recording([bare], tmp_path)
     assert recording != bare / RECORDING
     assert "/world/dancer_1/name" in {entity for entity, _ in read_chunks(recording)}
-    assert 20 < moment < 40
+    assert 20 < viewing.picture_time_s(viewing.read_configs([bare])[0]) < 40
 
 
 def test_an_existing_recording_is_opened_as_it_is(kept, tmp_path):
-    assert view.prepared([kept], tmp_path)[0] == kept / RECORDING
+    assert viewing.viewable_recording([kept], tmp_path) == kept / RECORDING
 
 
 @pytest.mark.parametrize(
@@ -87,7 +88,7 @@ def test_an_existing_recording_is_opened_as_it_is(kept, tmp_path):
     [
         ("session.rrd", lambda data: data[: len(data) // 2], "session.rrd cannot be read"),
         ("session.rrd", lambda data: b"nonsense", "session.rrd cannot be read"),
-        ("session.json", lambda data: data.replace(b'"schema": 1', b'"schema": 99'), "version 1"),
+        ("session.json", lambda data: data.replace(b'"schema": 2', b'"schema": 99'), "version 1 or 2"),
         ("session.json", lambda data: b"{", "damaged"),
     ],
 )

@@ -14,11 +14,11 @@ import numpy as np
 from gymnasium import error, spaces
 from numpy.typing import NDArray
 
-from sjasim.anticipation.method import HUMANS_ONLY, build_method
+from sjasim.anticipation.method import build_method
 from sjasim.anticipation.observation import MOVES
 from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
-from sjasim.config import SessionConfig
+from sjasim.config import HUMANS_ONLY, SessionConfig
 from sjasim.config.toml_file import from_plain
 from sjasim.core import Event, Move
 from sjasim.core.errors import SjasimError

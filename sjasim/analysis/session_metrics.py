@@ -29,7 +29,7 @@ from .component_quality import (
 from .ground_truth_events import dancer_events, robot_events
 from .group_metrics import GroupSynchronyRow, group_metrics, net_latencies
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of session.json."""
 
 

@@ -36,13 +36,11 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from ..config import HUMANS_ONLY
 from ..core import Event
 from ..core.errors import ConfigError, HookError, PluginError, SjasimError, UnknownNameError
 from ..core.method_io import MethodAction, MethodContext
 from ..core.registry import resolve
-
-HUMANS_ONLY = "none"
-"""What stands in a method's place in a session without a robot."""
 
 
 @runtime_checkable

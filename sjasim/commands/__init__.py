@@ -1,1 +1,1 @@
-"""What command-line faces share: options, progress, result tables."""
+"""What commands share: flags and options, exit codes, progress, tables."""

@@ -1,4 +1,4 @@
-"""Tells of functions that are being compiled: for half a minute after an installation or an update, then never."""
+"""Reports functions that numba compiles: for half a minute after an installation or an update, then none."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from collections.abc import Callable, Iterator
 from numba.core.event import Event, Listener, install_listener
 
 
-class _Counter(Listener):  # type: ignore[misc]
-    """Counts functions as their compilation begins; what a cache holds is not compiled."""
+class _CompileCounter(Listener):  # type: ignore[misc]
+    """Counts functions as their compilation starts. A function that is read from numba's cache is not compiled."""
 
-    def __init__(self, tell: Callable[[int], None]) -> None:
-        self._tell = tell
-        self._begun = 0
+    def __init__(self, report: Callable[[int], None]) -> None:
+        self._report = report
+        self._started = 0
 
     def on_start(self, event: Event) -> None:
-        self._begun += 1
-        self._tell(self._begun)
+        self._started += 1
+        self._report(self._started)
 
     def on_end(self, event: Event) -> None:
-        """Nothing to tell."""
+        """Do nothing; numba requires the method."""
 
 
 @contextlib.contextmanager
-def on_compile(tell: Callable[[int], None]) -> Iterator[None]:
-    """While this lasts, ``tell`` is called with the number of functions so far whenever one is being compiled."""
-    with install_listener("numba:compile", _Counter(tell)):
+def on_compile(report: Callable[[int], None]) -> Iterator[None]:
+    """Call ``report`` inside the block whenever a function starts compiling, with the number of functions so far."""
+    with install_listener("numba:compile", _CompileCounter(report)):
         yield

@@ -1,4 +1,4 @@
-"""ProgressReporter of life on stderr while a session is danced: a bar on a terminal, elsewhere a line from time to time."""
+"""Progress of a session on stderr: a bar on a terminal, elsewhere a line from time to time."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from typing import Protocol
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-SIGN_S = 20.0
-"""Longest silence between two lines, as far as anything happens."""
+LINE_INTERVAL_S = 20.0
+"""Shortest time between two lines where there is no terminal [s]."""
 
 
 class ProgressReporter(Protocol):
-    """What is on_compile while a session is prepared and danced."""
+    """Reports what goes on while a session is prepared and simulated."""
 
-    def compiling(self, begun: int) -> None:
-        """The so-manieth function is being compiled."""
+    def compiling(self, count: int) -> None:
+        """Report that the ``count``-th function starts compiling."""
         ...
 
-    def dancing(self, share: float) -> None:
-        """A share of the dance, 0 to 1, is over."""
+    def simulating(self, share: float) -> None:
+        """Report that this share of the session, 0 to 1, is done."""
         ...
 
 
 class LineProgress:
-    """LineProgress for a pipe or a file; a short session that compiles nothing gives none.
+    """Prints lines for a pipe or a file. A short session that compiles nothing prints none.
 
     Args:
         what: what goes on, in words.
@@ -37,46 +37,48 @@ class LineProgress:
 
     def __init__(self, what: str) -> None:
         self._what = what
-        self._said_s = math.inf
+        self._printed_s = math.inf
+        """When the last line was printed; infinite before anything has happened."""
 
-    def compiling(self, begun: int) -> None:
-        """See `ProgressReporter`; the first function gives a line at once."""
-        if begun == 1:
-            self._said_s = -math.inf
-        self._say(compiling(begun))
+    def compiling(self, count: int) -> None:
+        """See `ProgressReporter`. The first function prints a line at once."""
+        if count == 1:
+            self._printed_s = -math.inf
+        self._print(_compiling(count))
 
-    def dancing(self, share: float) -> None:
+    def simulating(self, share: float) -> None:
         """See `ProgressReporter`."""
-        if self._said_s == math.inf:
-            self._said_s = time.monotonic()
-        self._say(f"{self._what}: {100.0 * share:.0f} %")
+        if self._printed_s == math.inf:
+            self._printed_s = time.monotonic()
+        self._print(f"{self._what}: {100.0 * share:.0f} %")
 
-    def _say(self, text: str) -> None:
+    def _print(self, text: str) -> None:
         now_s = time.monotonic()
-        if now_s - self._said_s >= SIGN_S:
-            self._said_s = now_s
+        if now_s - self._printed_s >= LINE_INTERVAL_S:
+            self._printed_s = now_s
             sys.stderr.write(f"{text}\n")
             sys.stderr.flush()
 
 
 class BarProgress:
-    """A bar that appears once there is something to dance, or to compile.
+    """Shows a bar once there is something to compile or to simulate.
 
     Args:
         what: what goes on, in words.
-        progress: the bar, not yet shown.
+        progress: the bar, not yet started.
     """
 
     def __init__(self, what: str, progress: Progress) -> None:
-        self._what, self._progress = what, progress
+        self._what = what
+        self._progress = progress
         self._task = progress.add_task(what, total=1.0)
 
-    def compiling(self, begun: int) -> None:
+    def compiling(self, count: int) -> None:
         """See `ProgressReporter`."""
         self._progress.start()
-        self._progress.update(self._task, description=compiling(begun))
+        self._progress.update(self._task, description=_compiling(count))
 
-    def dancing(self, share: float) -> None:
+    def simulating(self, share: float) -> None:
         """See `ProgressReporter`."""
         self._progress.start()
         self._progress.update(self._task, completed=share, description=self._what)
@@ -84,7 +86,7 @@ class BarProgress:
 
 @contextlib.contextmanager
 def progress_reporter(what: str) -> Iterator[ProgressReporter]:
-    """Whom to tell; what is left on a terminal's last line is cleared at the end.
+    """Give the reporter that fits stderr. A bar is removed at the end of the block.
 
     Args:
         what: what goes on, in words.
@@ -93,8 +95,8 @@ def progress_reporter(what: str) -> Iterator[ProgressReporter]:
     if not console.is_terminal:
         yield LineProgress(what)
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
-    progress = Progress(*columns, TimeRemainingColumn(), console=console, transient=True)
+
+    progress = progress_bar(console)
     try:
         yield BarProgress(what, progress)
     finally:
@@ -102,7 +104,12 @@ def progress_reporter(what: str) -> Iterator[ProgressReporter]:
             progress.stop()
 
 
-def compiling(begun: int) -> str:
-    """What is said while functions are compiled."""
-    functions = "1 function" if begun == 1 else f"{begun} functions"
+def progress_bar(console: Console) -> Progress:
+    """A bar with a description, a percentage and the time that remains; it disappears when it is done."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
+    return Progress(*columns, TimeRemainingColumn(), console=console, transient=True)
+
+
+def _compiling(count: int) -> str:
+    functions = "1 function" if count == 1 else f"{count} functions"
     return f"compiling for this machine, the first time only ({functions})"

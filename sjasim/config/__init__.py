@@ -15,11 +15,12 @@ from .physics import PhysicsConfig
 from .robot import RobotConfig
 from .scene import SceneConfig
 from .sensors import MAX_TRACKED_PERSONS, SensorConfig
-from .session import SessionConfig
+from .session import HUMANS_ONLY, SessionConfig
 from .synchrony import SynchronyConfig
 
 __all__ = [
     "FAULTS",
+    "HUMANS_ONLY",
     "MAX_TRACKED_PERSONS",
     "BodyConfig",
     "ClockConfig",

@@ -22,6 +22,9 @@ from .synchrony import SynchronyConfig
 
 MAX_DANCERS = 8
 
+HUMANS_ONLY = "none"
+"""Value of `SessionConfig.method` for a session without a robot."""
+
 SUPPORTED_RATES_HZ = PhysicsConfig().rate_hz, PhysicsConfig().control_hz
 """Default rates of physics and balance control for dancers with balance support."""
 

@@ -68,6 +68,20 @@ def to_toml(config: SessionConfig) -> str:
     return tomli_w.dumps(to_plain(config))
 
 
+def checked_value(hint: Any, value: object, path: str) -> Any:
+    """A value from a file as the type of the field that it is for.
+
+    Args:
+        hint: the field's annotation.
+        value: a number, a string, a boolean, a list or a mapping.
+        path: dotted name of the field, for the message.
+
+    Raises:
+        ConfigError: the value has another type.
+    """
+    return _parsed(hint, value, None, path)
+
+
 def _plain(value: object) -> object:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)}

@@ -7,14 +7,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ..config.renamed_fields import with_present_names
 from ..core.errors import RecordError
 from ..core.session_log import SessionLog
 from .atomic_folder import atomic_folder, check_target
 from .parquet import COLUMN_TABLES, ROW_TYPES, read_columns, read_rows, write_columns, write_rows
 from .rerun.explanation import DelayReport
 
-SCHEMA = 1
-"""Version of the folder's layout."""
+SCHEMAS = (1, 2)
+"""Versions of session.json that can be read. In version 1 the configuration has the former names of its fields."""
 
 COST = ("sim_s", "cpu_s", "wall_s")
 """What session.json keeps of a log's cost."""
@@ -85,7 +86,7 @@ def read(folder: str | Path) -> SessionLog:
 
 
 def read_summary(folder: str | Path) -> dict[str, Any]:
-    """A folder's session.json.
+    """A folder's session.json, with the present names of the configuration's fields.
 
     Raises:
         RecordError: it is missing, damaged or of another version.
@@ -97,10 +98,12 @@ def read_summary(folder: str | Path) -> dict[str, Any]:
         raise RecordError(f"{folder} is not a session's folder: {path.name}: {error.strerror or error}") from None
     except ValueError as error:
         raise RecordError(f"{path} is damaged: {error}") from None
-    if not isinstance(summary, dict) or summary.get("schema") != SCHEMA:
-        raise RecordError(f"{path} is not a session.json of version {SCHEMA}")
+    if not isinstance(summary, dict) or summary.get("schema") not in SCHEMAS:
+        raise RecordError(f"{path} is not a session.json of version {' or '.join(map(str, SCHEMAS))}")
     if not all(isinstance(summary.get(key), dict) for key in ("config", "versions")):
         raise RecordError(f"{path} lacks config or versions")
+
+    summary["config"], _ = with_present_names(summary["config"])
     return summary
 
 

@@ -27,10 +27,10 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import NoReturn, SupportsIndex, cast
 
 from ..anticipation.checked_method import CheckedMethod
-from ..anticipation.method import HUMANS_ONLY, Method, build_method
+from ..anticipation.method import Method, build_method
 from ..choreography.layout import layout
 from ..choreography.timetable import timetable
-from ..config import SessionConfig
+from ..config import HUMANS_ONLY, SessionConfig
 from ..config.toml_file import to_plain
 from ..core import ROBOT, ClientStatus, DeviceEvent, Event, MoveCommand, RobotState, SyncReply
 from ..core.clock import stream

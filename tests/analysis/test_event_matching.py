@@ -21,7 +21,7 @@ def largest(a, b, within):
 
 
 @given(TIMES, TIMES)
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_as_many_as_possible(a, b):
     rows, columns = matched(np.array(a), np.array(b), 0.4)
     assert len(set(rows)) == len(set(columns)) == len(rows) == largest(a, b, 0.4)

@@ -129,7 +129,7 @@ def _tree_route(ta, ka, tb, kb):
 SERIES = st.lists(st.tuples(st.integers(0, 4000), st.sampled_from(list(Kind)[:5])), max_size=12)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(SERIES, SERIES, st.integers(-100_000, 100_000), st.randoms(use_true_random=False))
 def test_order_shift_and_direction_change_nothing(a, b, shift_ms, random):
     def index(x, y, by=0):
@@ -144,7 +144,7 @@ def test_order_shift_and_direction_change_nothing(a, b, shift_ms, random):
     assert index(shuffled, b) == pytest.approx(value, abs=1e-12)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(SERIES, min_size=2, max_size=4), st.randoms(use_true_random=False))
 def test_naming_agents_otherwise_changes_nothing(trains, random):
     series = {f"dancer_{i}": ([t / 1e3 for t, _ in x], [k for _, k in x]) for i, x in enumerate(trains)}

@@ -102,6 +102,17 @@ def test_libraries_stay_in_their_rooms(module):
     assert not wrong
 
 
+def test_no_face_imports_another():
+    crossing = [
+        f"{module.where}:{item.line}: {item.target}"
+        for module in modules()
+        if module.name in FACES
+        for item in imports(module)
+        if item.inside and item.target in FACES and item.target != module.name
+    ]
+    assert not crossing
+
+
 @pytest.mark.parametrize("module", skin(), ids=lambda module: module.name)
 def test_the_environments_stand_on_sjasim_and_gymnasium(module):
     found = {node.module or "" for node in ast.walk(module.tree) if isinstance(node, ast.ImportFrom) and not node.level}

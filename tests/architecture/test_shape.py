@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from .source import PACKAGE, ROOT, modules, skin
+from .source import FACES, PACKAGE, ROOT, modules, skin
 
 FILE_LINES = 400
 FUNCTION_LINES = 50
@@ -59,3 +59,13 @@ def test_sources_are_in_the_bibliography():
         text = path.read_text(encoding="utf-8")
         unknown += [f"{path.name}: {key}" for key in re.findall(r"Source: ([\w:-]+)", text) if key not in known]
     assert not unknown
+
+
+FACE_LINES = 60
+
+
+@pytest.mark.parametrize("face", FACES)
+def test_a_face_is_thin(face):
+    """A command's module holds its options, one call and the printing; what it does stands in a room."""
+    text = (PACKAGE / f"{face}.py").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= FACE_LINES

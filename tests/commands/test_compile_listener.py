@@ -1,4 +1,4 @@
-"""Compiling is on_compile of as it happens, and only then."""
+"""Functions are reported as they are compiled, and only then."""
 
 from numba import njit
 
@@ -11,12 +11,12 @@ def doubled(value):
 
 
 def test_every_function_that_is_compiled_is_counted():
-    heard = []
-    with compile_listener.on_compile(heard.append):
+    counts = []
+    with compile_listener.on_compile(counts.append):
         doubled(1)
-        assert heard == [1]
+        assert counts == [1]
         doubled(2)
-        assert heard == [1]
+        assert counts == [1]
         doubled(0.5)
     doubled(1j)
-    assert heard == [1, 2]
+    assert counts == [1, 2]

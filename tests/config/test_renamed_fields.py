@@ -6,7 +6,6 @@ import dataclasses
 
 import pytest
 
-from sjasim.commands.options import present_flags
 from sjasim.config import SessionConfig
 from sjasim.config.renamed_fields import RENAMED, RENAMED_SIA_OPTIONS, with_present_names
 from sjasim.config.toml_file import from_plain, read_toml
@@ -56,13 +55,3 @@ def test_the_present_name_wins_where_both_are_given():
 def test_options_of_other_methods_keep_their_names():
     data = {"method": "my:Own", "method_options": {"tau_s": 0.5}}
     assert with_present_names(data) == (data, {})
-
-
-def test_former_flags_are_replaced_and_named(capsys):
-    given = ["--group", "5", "--room.side-m=1.5", "--network.loss", "0.1", "--seed", "3"]
-    assert present_flags(given) == [
-        "--dancers", "5", "--scene.side-m=1.5", "--network.packet-loss", "0.1", "--seed", "3",
-    ]  # fmt: skip
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 3
-    assert lines[0] == "warning: --group is now called --dancers; the former name is accepted until sjasim 0.3"

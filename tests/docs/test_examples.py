@@ -20,7 +20,7 @@ from sjasim_envs.wrappers import MethodPolicy
 
 from sjasim.anticipation import method
 from sjasim.choreography.timetable import timetable
-from sjasim.commands.options import main
+from sjasim.commands.main import main
 from sjasim.config import FAULTS, SessionConfig
 from sjasim.config.toml_file import from_plain, to_plain
 from sjasim.core.errors import SjasimError
@@ -163,13 +163,13 @@ def test_the_readmes_participants_are_fitted_and_dance(tmp_path, monkeypatch, ca
     monkeypatch.chdir(tmp_path)
     danced = []
 
-    def dance(config, audience=None):
+    def run_session(config, *observers):
         model = make_human_timing(config, timetable(config))
         model.begin(0, None, np.zeros(config.dancers))
         danced.append([cue for own in model.decide(0.0, ()) for cue in own])
         raise SjasimError("enough")
 
-    monkeypatch.setattr("sjasim.run.dance", dance)
+    monkeypatch.setattr("sjasim.session.session.run_session", run_session)
     text = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Your own participants")[2]
     commands = re.findall(r"^python3 scripts/launch.py (\w+) ([^#\n]*)", text.partition("\n## ")[0], re.M)
     commands = [(name, arguments) for name, arguments in commands if name in ("calibrate", "run")]

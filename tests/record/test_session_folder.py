@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from sjasim.analysis.session_metrics import measures
+from sjasim.config.toml_file import from_plain
 from sjasim.core.errors import RecordError
 from sjasim.record import atomic_folder, session_folder
 from sjasim.record.parquet import COLUMN_TABLES, ROW_TYPES
@@ -106,7 +107,7 @@ def damaged(written, tmp_path, name, content):
     [
         ("session.json", None, "not a session's folder"),
         ("session.json", lambda path: b"{", "damaged"),
-        ("session.json", lambda path: b'{"schema": 99}', "version 1"),
+        ("session.json", lambda path: b'{"schema": 99}', "version 1 or 2"),
         ("session.json", lambda path: b'{"schema": 1}', "lacks config"),
         ("truth.parquet", None, "missing"),
         ("truth.parquet", lambda path: path.read_bytes()[:1000], "cannot be read"),
@@ -135,3 +136,19 @@ def test_an_unknown_kind_names_file_row_and_column(written, tmp_path):
 
     with pytest.raises(RecordError, match=r"events.parquet, row 3, column 'kind': 'jump'"):
         session_folder.read(damaged(written, tmp_path, "events.parquet", strange))
+
+
+def test_a_session_json_of_version_1_is_read_with_present_names(written, tmp_path, recwarn):
+    folder = damaged(written, tmp_path, "session.json", Path.read_bytes)
+    summary = json.loads((folder / "session.json").read_text(encoding="utf-8"))
+    config = summary["config"]
+    config["group"] = config.pop("dancers")
+    config["room"] = {**config.pop("scene"), "side_m": 1.5, "move_m": config["dance"].pop("step_m")}
+    config["method_options"] = {"effective_from": 1, "tau_s": 0.5}
+    config["synchrony"].pop("tau_s")
+    (folder / "session.json").write_text(json.dumps({**summary, "schema": 1}), encoding="utf-8")
+
+    read = from_plain(session_folder.read(folder).config)
+    assert (read.dancers, read.scene.side_m, read.dance.step_m) == (3, 1.5, 0.5)
+    assert (read.method_options, read.synchrony.tau_s) == ({"first_followed_iteration": 1}, 0.5)
+    assert len(recwarn) == 0

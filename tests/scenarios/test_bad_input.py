@@ -5,7 +5,7 @@ import os
 import pytest
 
 from sjasim import run
-from sjasim.commands.options import main
+from sjasim.commands.main import main
 
 BAD = {
     "unknown method": (["--method", "sai"], "sia"),

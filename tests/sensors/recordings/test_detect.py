@@ -11,7 +11,7 @@ import pytest
 import sjasim
 from sjasim import detect
 from sjasim.assets.names import JOINTS
-from sjasim.commands.options import main
+from sjasim.commands.main import main
 from sjasim.core import Kind
 from sjasim.core.errors import RecordError
 from sjasim.sensors.recordings.detect import Detected

@@ -1,14 +1,11 @@
-"""Benchmark figures: what they are made of, and that one's time is not counted for two."""
+"""Benchmark figures: which measurements they consist of, and what the table of them shows."""
 
-import io
-import re
 import time
 
 import pytest
-from rich.console import Console
 
-from sjasim.benchmark import FIGURES, results, show
 from sjasim.simulation.profiling import CpuProfiler
+from sjasim.studies.benchmark_figures import UNITS, benchmark_figures, table_rows
 
 PROFILE = {
     "sim_s": 100.0,
@@ -27,8 +24,8 @@ PROFILE = {
 
 
 def test_figures_are_ratios_of_what_was_measured():
-    figures = results(PROFILE, 0.3)["figures"]
-    assert tuple(figures) == FIGURES
+    figures = benchmark_figures(PROFILE, 0.3)["figures"]
+    assert tuple(figures) == tuple(UNITS)
     wanted = {
         "session_cost_ratio_joints": 1.5, "session_sim_s_per_cpu_s_depth": 2.0, "depth_frame_cpu_s": 0.015,
         "env_ratio_to_raw": 0.75, "async2_speedup": 1.8, "logging_share": 0.05, "planning_cpu_s": 0.002,
@@ -39,19 +36,16 @@ def test_figures_are_ratios_of_what_was_measured():
 
 
 def test_what_was_not_measured_is_null():
-    figures = results({}, 0.3)["figures"]
+    figures = benchmark_figures({}, 0.3)["figures"]
     assert {name for name, value in figures.items() if value is not None} == {"import_s"}
 
 
-def test_people_see_units_and_no_empty_figures():
-    report = {"machine": {"processor": "P", "cores": 2}, **results(PROFILE, 0.3)}
-    console = Console(file=io.StringIO(), width=100)
-    show(report, console)
-    said = console.file.getvalue()
-    assert re.search(r"depth_frame_cpu_s +│ +0.015 │ s ", said)
-    assert re.search(r"planning +│ +\S+ │ ms per 30 Hz tick", said)
-    assert "timing_" not in said
-    assert "decision_cpu_s" not in said
+def test_the_table_has_units_and_no_empty_figures():
+    rows = {name: (value, unit) for name, value, unit in table_rows(benchmark_figures(PROFILE, 0.3))}
+    assert rows["depth_frame_cpu_s"] == ("0.015", "s")
+    assert rows["planning"] == ("0.06667", "ms per 30 Hz frame")
+    assert "decision_cpu_s" not in rows
+    assert not [name for name in rows if name.startswith("timing_")]
 
 
 def test_a_call_inside_anothers_counts_for_the_inner_room_only():
