@@ -1,13 +1,14 @@
-"""From move commands to wheel speeds: dead time, ramps, straight lines, turns that end where they should.
+"""The base controller: carries out move commands by wheel speeds, from odometry alone.
 
-The executor knows odometry only. It runs at the odometry's rate and takes every interval from the stamps. Its rules
-are compiled functions over small arrays (`steer` is a tick of them); the class holds these arrays and hears commands.
+It delays a command by the robot's latency, limits accelerations, keeps straight moves on their heading and ends turns
+at theirs. It runs at the rate of the odometry and takes every interval from the samples' times.
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
+from enum import IntEnum
 
 import numpy as np
 from numba import njit
@@ -16,223 +17,339 @@ from ..config import RobotConfig
 from ..core import Array, Move, MoveCommand, RobotState, WheelCommand
 from ..core.errors import ConfigError
 from .diff_drive import wheel_speeds
-from .odometry import HEADING, RATE, STEP, T
+from .odometry import OdometryColumn
 
-HOLD_PER_S = 2.0
-"""Yaw rate per radian of heading error on a straight move; assumed."""
+HEADING_GAIN_PER_S = 2.0
+"""Yaw rate per heading error on a straight move [1/s] (assumed)."""
 
-HOLD_MAX_RAD_S = 0.35
-"""Bound of that yaw rate: below the rate that counts as a turn; assumed."""
+HEADING_MAX_RAD_S = 0.35
+"""Largest such yaw rate [rad/s]: below the rate that counts as a turn (assumed)."""
 
-AIMED_RAD = 0.02
-"""A standing robot this close to the heading it is to take up lets it be; assumed."""
+HEADING_TOLERANCE_RAD = 0.02
+"""A standing robot corrects no smaller heading error [rad] (assumed)."""
 
-HOLD_REACH_RAD = 1.2
-"""A move or a stop takes up the heading it is given if no farther off than this, else it keeps its own; assumed."""
+HEADING_REACH_RAD = 1.2
+"""A move or a stop whose commanded heading is farther off than this keeps the present heading [rad] (assumed)."""
 
-TURN_PER_S = 10.0
-"""Yaw rate per radian at the end of a turn, where the square-root profile would be infinitely steep; assumed."""
+TURN_GAIN_PER_S = 10.0
+"""Yaw rate per remaining angle at the end of a turn, where a square-root profile is too steep [1/s] (assumed)."""
 
-TURN_EASE = 0.9
-"""Share of the yaw acceleration that a turn's deceleration is planned with, so that the limit is never met."""
+TURN_DECELERATION_SHARE = 0.9
+"""Share of the yaw acceleration with which the end of a turn is planned, so that the limit is never met (assumed)."""
 
 TURN_LEAD_S = 0.02
-"""How far ahead of the last sample the wheels will answer: one control tick."""
+"""Time after the last sample at which the wheels respond: one control step [s]."""
 
 TURN_DONE_RAD = math.radians(0.2)
-"""A turn is over when its heading is reached this closely and the rate below has been reached; assumed."""
+"""Remaining angle at which a turn is over, if the next rate is reached too [rad] (assumed)."""
 
 TURN_DONE_RAD_S = 0.05
+"""Yaw rate at which a turn is over [rad/s] (assumed)."""
 
 STALL_S = 0.5
-"""Time without motion, though motion is commanded, after which the robot counts as blocked; assumed."""
+"""Time without motion, though a motion is commanded, after which the robot counts as blocked [s] (assumed)."""
 
 STALL_SHARE = 0.25
-"""Less than this share of the commanded speed counts as no motion; assumed."""
+"""Share of the commanded speed below which the robot counts as not moving (assumed)."""
 
-STALL_M_S, STALL_RAD_S = 0.05, 0.2
-"""Commands slower than these are never judged."""
+STALL_MIN_M_S = 0.05
+"""Slowest commanded speed with which a stall is detected [m/s] (assumed)."""
 
-LONGEST_STEP_S = 0.1
-"""Ramps never take a longer stride than this after a gap in the samples; assumed."""
+STALL_MIN_RAD_S = 0.2
+"""Slowest commanded yaw rate with which a stall is detected [rad/s] (assumed)."""
 
-SETTLE_MAX_M_S = 0.09
-"""Fastest that a robot told to stop may settle at: no move to odometry (.10 m/s)."""
+MAX_INTERVAL_S = 0.1
+"""Longest interval over which speeds are ramped at once, after a gap in the samples [s] (assumed)."""
 
-NOTHING, STOP, FORWARD, BACKWARD, TURN, DRIVE = range(6)
-"""What the base is doing; nothing before the first command and after a turn."""
+SETTLING_MAX_M_S = 0.09
+"""Fastest speed of a STOP that corrects the position [m/s]: below .10 m/s, which counts as a move."""
 
-EXECUTABLE = {Move.FORWARD: FORWARD, Move.BACKWARD: BACKWARD, Move.STOP: STOP, Move.TURN: TURN, Move.DRIVE: DRIVE}
+IDLE = 0.0
+"""Activity before the first command and after a turn."""
 
-TOP, SPIN, TURN_RATE, PER_S, YAW_PER_S, PATIENCE_S, TRACK_M, RADIUS_M, INTERVAL_S = range(9)
-"""A base's limits: speed, yaw rate and yaw rate of a turn; accelerations; time-out; track, wheel radius; interval."""
+STOP = 1.0
+"""Activity: the base stops, or corrects its position with a low speed."""
 
-(
-    SPEED, YAW, LEFT_WHEEL, RIGHT_WHEEL, LAST_T, STALLED, TIMED_OUT, HEARD, MOVE, ORDERED, ORDERED_YAW, AIM, FRESH,
-) = range(13)  # fmt: skip
-"""What an executor is at: ramped speed [m/s] and yaw rate [rad/s], and the wheel speeds for them [rad/s]; time of the
-last tick, how long it has been stuck [s]; whether nothing was heard for too long, and when it was [s]; the move under
-way, its speed and, of DRIVE, its yaw rate; the heading it holds or turns to, and whether that still is as ordered."""
+FORWARD = 2.0
+"""Activity: a move forward."""
+
+BACKWARD = 3.0
+"""Activity: a move backward."""
+
+TURN = 4.0
+"""Activity: a turn on the spot."""
+
+DRIVE = 5.0
+"""Activity: a given speed and yaw rate."""
+
+ACTIVITIES = {Move.FORWARD: FORWARD, Move.BACKWARD: BACKWARD, Move.STOP: STOP, Move.TURN: TURN, Move.DRIVE: DRIVE}
+"""Move of a command -> activity. Activities are floats, because they stand in an array of floats."""
+
+
+class LimitColumn(IntEnum):
+    """Places in the limits of a base, with the fields of `RobotConfig` that they hold."""
+
+    SPEED = 0
+    """``max_speed_m_s``"""
+    YAW_RATE = 1
+    """``max_yaw_rate_rad_s``"""
+    TURN_RATE = 2
+    """``turn_rate_rad_s``"""
+    ACCELERATION = 3
+    """``acceleration_m_s2``"""
+    YAW_ACCELERATION = 4
+    """``yaw_acceleration_rad_s2``"""
+    TIMEOUT = 5
+    """``cmd_timeout_s``"""
+    WHEEL_SEPARATION = 6
+    """``wheel_separation_m``"""
+    WHEEL_RADIUS = 7
+    """``wheel_radius_m``"""
+    INTERVAL = 8
+    """1 / ``odometry_hz`` [s]"""
+
+
+class DriveColumn(IntEnum):
+    """Places in the state of a `BaseController`. Those from ACTIVITY on are set by a command."""
+
+    SPEED = 0
+    """Ramped speed [m/s]."""
+    YAW_RATE = 1
+    """Ramped yaw rate [rad/s]."""
+    LEFT_WHEEL = 2
+    """Speed of the left wheel that follows [rad/s]."""
+    RIGHT_WHEEL = 3
+    """Speed of the right wheel [rad/s]."""
+    LAST_T = 4
+    """Time of the last control step [s]."""
+    STALLED = 5
+    """Time without motion though a motion is commanded [s]."""
+    TIMED_OUT = 6
+    """1 if a move is stopped because no command arrived for too long, else 0."""
+    HEARD_T = 7
+    """Time of the last arrival of a command [s]."""
+    ACTIVITY = 8
+    """What the base does: `IDLE`, `STOP`, ..."""
+    COMMANDED_SPEED = 9
+    """[m/s]"""
+    COMMANDED_YAW_RATE = 10
+    """Of DRIVE [rad/s]."""
+    HEADING = 11
+    """Heading that a move keeps or a turn ends at [rad]."""
+    NEW = 12
+    """1 until the first control step of a command, which may change the heading; see `HEADING_REACH_RAD`."""
 
 
 @njit(cache=True)
-def steer(belief: Array, limits: Array, work: Array) -> None:
-    """One control tick; see `BaseController`.
+def update_drive(estimate: Array, limits: Array, drive: Array) -> None:
+    """Take one control step; see `BaseController`.
 
     Args:
-        belief: the newest odometry sample, columns of `types.RobotState`; its stamp is the tick's time.
-        limits: of the base.
-        work: what the executor is at, in and out.
+        estimate: newest odometry estimate, see `OdometryColumn`; its time is that of the step.
+        limits: (9,) see `LimitColumn`.
+        drive: (13,) state of the controller, in and out; see `DriveColumn`.
     """
-    t = belief[T]
-    interval = t - work[LAST_T] if not math.isnan(work[LAST_T]) else limits[INTERVAL_S]
-    interval = min(interval, LONGEST_STEP_S)
-    work[LAST_T] = t
-    work[STALLED] = work[STALLED] + interval if _stuck(belief, interval, work) else 0.0
-    if work[FRESH] > 0.0:
-        work[FRESH] = 0.0
-        if work[MOVE] != TURN and abs(work[AIM] - belief[HEADING]) > HOLD_REACH_RAD:
-            work[AIM] = belief[HEADING]
-    under_way = work[MOVE] > STOP or (work[MOVE] == STOP and work[ORDERED] != 0.0)
-    late = under_way and t - work[HEARD] > limits[PATIENCE_S]
-    work[TIMED_OUT] = 1.0 if late else 0.0
-    speed, yaw = (0.0, 0.0) if late else _wanted(belief, limits, work)
-    work[SPEED] = _toward(work[SPEED], speed, limits[PER_S] * interval)
-    work[YAW] = _toward(work[YAW], yaw, limits[YAW_PER_S] * interval)
-    work[LEFT_WHEEL], work[RIGHT_WHEEL] = wheel_speeds(
-        work[SPEED], work[YAW], limits[TOP], limits[SPIN], limits[TRACK_M], limits[RADIUS_M]
+    t = estimate[OdometryColumn.T]
+    last_t = drive[DriveColumn.LAST_T]
+    interval = t - last_t if not math.isnan(last_t) else limits[LimitColumn.INTERVAL]
+    interval = min(interval, MAX_INTERVAL_S)
+    drive[DriveColumn.LAST_T] = t
+    stalls = _stalls(estimate, interval, drive)
+    drive[DriveColumn.STALLED] = drive[DriveColumn.STALLED] + interval if stalls else 0.0
+
+    if drive[DriveColumn.NEW] > 0.0:
+        drive[DriveColumn.NEW] = 0.0
+        off = drive[DriveColumn.HEADING] - estimate[OdometryColumn.HEADING]
+        if drive[DriveColumn.ACTIVITY] != TURN and abs(off) > HEADING_REACH_RAD:
+            drive[DriveColumn.HEADING] = estimate[OdometryColumn.HEADING]
+
+    # A stop without a speed has nothing to time out.
+    activity = drive[DriveColumn.ACTIVITY]
+    under_way = activity > STOP or (activity == STOP and drive[DriveColumn.COMMANDED_SPEED] != 0.0)
+    late = under_way and t - drive[DriveColumn.HEARD_T] > limits[LimitColumn.TIMEOUT]
+    drive[DriveColumn.TIMED_OUT] = 1.0 if late else 0.0
+
+    speed, yaw_rate = (0.0, 0.0) if late else _target(estimate, limits, drive)
+    drive[DriveColumn.SPEED] = _approach(drive[DriveColumn.SPEED], speed, limits[LimitColumn.ACCELERATION] * interval)
+    drive[DriveColumn.YAW_RATE] = _approach(
+        drive[DriveColumn.YAW_RATE], yaw_rate, limits[LimitColumn.YAW_ACCELERATION] * interval
     )
 
+    left, right = wheel_speeds(
+        drive[DriveColumn.SPEED],
+        drive[DriveColumn.YAW_RATE],
+        limits[LimitColumn.SPEED],
+        limits[LimitColumn.YAW_RATE],
+        limits[LimitColumn.WHEEL_SEPARATION],
+        limits[LimitColumn.WHEEL_RADIUS],
+    )
+    drive[DriveColumn.LEFT_WHEEL] = left
+    drive[DriveColumn.RIGHT_WHEEL] = right
+
 
 @njit(cache=True)
-def _stuck(belief: Array, interval: float, work: Array) -> bool:
-    """Compare the command in force since the last tick with what odometry felt meanwhile."""
-    speed, yaw = abs(work[SPEED]), abs(work[YAW])
-    if speed >= STALL_M_S:
-        return bool(abs(belief[STEP]) < STALL_SHARE * speed * interval)
-    return bool(yaw >= STALL_RAD_S and abs(belief[RATE]) < STALL_SHARE * yaw)
+def _stalls(estimate: Array, interval: float, drive: Array) -> bool:
+    """Whether odometry shows too little of the motion that was commanded in the last interval."""
+    speed = abs(drive[DriveColumn.SPEED])
+    if speed >= STALL_MIN_M_S:
+        return bool(abs(estimate[OdometryColumn.STEP]) < STALL_SHARE * speed * interval)
+
+    yaw_rate = abs(drive[DriveColumn.YAW_RATE])
+    return bool(yaw_rate >= STALL_MIN_RAD_S and abs(estimate[OdometryColumn.YAW_RATE]) < STALL_SHARE * yaw_rate)
 
 
 @njit(cache=True)
-def _wanted(belief: Array, limits: Array, work: Array) -> tuple[float, float]:
-    """Speed and yaw rate that the ramps should go for."""
-    move, off = work[MOVE], work[AIM] - belief[HEADING]
-    if move == NOTHING:
+def _target(estimate: Array, limits: Array, drive: Array) -> tuple[float, float]:
+    """Speed [m/s] and yaw rate [rad/s] that the ramps approach."""
+    activity = drive[DriveColumn.ACTIVITY]
+    off = drive[DriveColumn.HEADING] - estimate[OdometryColumn.HEADING]
+    commanded = drive[DriveColumn.COMMANDED_SPEED]
+
+    if activity == IDLE:
         return 0.0, 0.0
-    if move == TURN:
-        return 0.0, _turn_rate(off, limits, work)
-    if move == DRIVE:
-        return _limited(work[ORDERED], limits[TOP]), _limited(work[ORDERED_YAW], limits[SPIN])
-    speed = _limited(work[ORDERED], SETTLE_MAX_M_S if move == STOP else limits[TOP])
-    if move != STOP:
-        speed = -abs(speed) if move == BACKWARD else abs(speed)
-    if speed == 0.0 and work[SPEED] == 0.0 and abs(off) < AIMED_RAD:
+    if activity == TURN:
+        return 0.0, _turn_rate(off, limits, drive)
+    if activity == DRIVE:
+        yaw_rate = _clip(drive[DriveColumn.COMMANDED_YAW_RATE], limits[LimitColumn.YAW_RATE])
+        return _clip(commanded, limits[LimitColumn.SPEED]), yaw_rate
+
+    speed = _clip(commanded, SETTLING_MAX_M_S if activity == STOP else limits[LimitColumn.SPEED])
+    if activity != STOP:
+        speed = -abs(speed) if activity == BACKWARD else abs(speed)
+    if speed == 0.0 and drive[DriveColumn.SPEED] == 0.0 and abs(off) < HEADING_TOLERANCE_RAD:
         return 0.0, 0.0
-    return speed, _limited(HOLD_PER_S * off, HOLD_MAX_RAD_S)
+
+    return speed, _clip(HEADING_GAIN_PER_S * off, HEADING_MAX_RAD_S)
 
 
 @njit(cache=True)
-def _turn_rate(left: float, limits: Array, work: Array) -> float:
-    """Yaw rate from which the rest of the turn can just be braked; ends the turn when it is done."""
-    if abs(left) < TURN_DONE_RAD and abs(work[YAW]) < TURN_DONE_RAD_S:
-        work[MOVE] = NOTHING
+def _turn_rate(remaining: float, limits: Array, drive: Array) -> float:
+    """Fastest yaw rate from which the base can still stop at the end of a turn; ends the turn when it is done."""
+    if abs(remaining) < TURN_DONE_RAD and abs(drive[DriveColumn.YAW_RATE]) < TURN_DONE_RAD_S:
+        drive[DriveColumn.ACTIVITY] = IDLE
         return 0.0
-    left -= work[YAW] * TURN_LEAD_S
-    brake = math.sqrt(2 * TURN_EASE * limits[YAW_PER_S] * abs(left))
-    return math.copysign(min(limits[TURN_RATE], brake, TURN_PER_S * abs(left)), left)
+
+    remaining -= drive[DriveColumn.YAW_RATE] * TURN_LEAD_S
+    braking = math.sqrt(2 * TURN_DECELERATION_SHARE * limits[LimitColumn.YAW_ACCELERATION] * abs(remaining))
+    return math.copysign(min(limits[LimitColumn.TURN_RATE], braking, TURN_GAIN_PER_S * abs(remaining)), remaining)
 
 
 @njit(cache=True)
-def _toward(value: float, target: float, step: float) -> float:
+def _approach(value: float, target: float, step: float) -> float:
+    """The value, moved towards a target by at most one step."""
     return min(target, value + step) if target > value else max(target, value - step)
 
 
 @njit(cache=True)
-def _limited(value: float, most: float) -> float:
-    return min(max(value, -most), most)
+def _clip(value: float, limit: float) -> float:
+    """The value within plus and minus a limit."""
+    return min(max(value, -limit), limit)
 
 
 class BaseController:
-    """Carries out move commands, one at a time; a higher number replaces a lower one after its own dead time.
+    """Carries out move commands, one at a time; a command with a higher number replaces the present one.
 
-    A copy of the one under way may carry another speed, which is taken at once. A base that hears nothing for
-    ``cmd_timeout_s`` during a move, or while it settles after a stop, ramps to a stop; a copy of the command that
-    arrives later lets it go on. A finished turn and a mere stop have nothing to time out.
+    A command takes effect `RobotConfig.command_latency_s` after its arrival. A copy of the present command may carry
+    another speed, which takes effect at once. Where no command arrives for `RobotConfig.cmd_timeout_s` during a move,
+    or while a STOP corrects the position, the base ramps to a stop; a later copy of the command lets it continue. A
+    finished turn and a STOP without a speed do not time out.
 
     Args:
-        config: dead time, limits and time-out.
+        config: latency, limits and time-out.
 
     Attributes:
-        number: of the command being carried out, 0 before the first.
-        limits: of the base, for `steer`.
-        work: what it is at, for `steer`.
+        number: number of the command being carried out, 0 before the first.
+        limits: (9,) limits of the base, see `LimitColumn`.
+        drive: (13,) state of the controller, see `DriveColumn`.
     """
 
-    __slots__ = ("_dead_time_s", "_newest", "_waiting", "limits", "number", "work")
+    __slots__ = ("_latency_s", "_newest", "_pending", "drive", "limits", "number")
 
     def __init__(self, config: RobotConfig) -> None:
-        c = config
-        self._dead_time_s = c.command_latency_s
-        self._waiting: deque[tuple[float, MoveCommand]] = deque()
-        self._newest = self.number = 0
-        self.limits = np.array([
-            c.max_speed_m_s, c.max_yaw_rate_rad_s, c.turn_rate_rad_s, c.acceleration_m_s2, c.yaw_acceleration_rad_s2,
-            c.cmd_timeout_s, c.wheel_separation_m, c.wheel_radius_m, 1.0 / c.odometry_hz,
-        ])  # fmt: skip
-        self.work = np.zeros(13)
-        self.work[LAST_T], self.work[HEARD] = math.nan, -math.inf
+        self._latency_s = config.command_latency_s
+        self._pending: deque[tuple[float, MoveCommand]] = deque()
+        self._newest = 0
+        self.number = 0
+
+        # In the order of LimitColumn.
+        self.limits = np.array(
+            [
+                config.max_speed_m_s,
+                config.max_yaw_rate_rad_s,
+                config.turn_rate_rad_s,
+                config.acceleration_m_s2,
+                config.yaw_acceleration_rad_s2,
+                config.cmd_timeout_s,
+                config.wheel_separation_m,
+                config.wheel_radius_m,
+                1.0 / config.odometry_hz,
+            ]
+        )
+        self.drive = np.zeros(len(DriveColumn))
+        self.drive[DriveColumn.LAST_T] = math.nan
+        self.drive[DriveColumn.HEARD_T] = -math.inf
 
     @property
     def timed_out(self) -> bool:
-        """Whether a move is being held up because nothing was heard for too long."""
-        return self.work.item(TIMED_OUT) > 0.0
+        """Whether a move is stopped because no command arrived for too long."""
+        return self.drive.item(DriveColumn.TIMED_OUT) > 0.0
 
     @property
     def blocked(self) -> bool:
-        """Whether the base has been told to move for half a second and its own odometry says that it does not."""
-        return self.work.item(STALLED) > STALL_S
+        """Whether odometry has shown no motion for `STALL_S`, though a motion was commanded."""
+        return self.drive.item(DriveColumn.STALLED) > STALL_S
+
+    @property
+    def wheels(self) -> WheelCommand:
+        """Wheel speeds of the last control step."""
+        return WheelCommand(self.drive.item(DriveColumn.LEFT_WHEEL), self.drive.item(DriveColumn.RIGHT_WHEEL))
 
     def receive(self, t_s: float, command: MoveCommand) -> None:
-        """Hear a command; an older one is ignored.
+        """Accept a command, unless it is older than the newest one.
 
-        A copy of the newest shows that the link lives, and may change the speed of the move under way.
+        A copy of the newest command shows that the link works, and may change the speed of the present move.
 
         Args:
             t_s: session time of arrival.
-            command: what to do.
+            command: the command.
 
         Raises:
             ConfigError: the move is not one that a robot can make.
         """
-        if command.move not in EXECUTABLE:
-            raise ConfigError("command.move", str(command.move), f"one of {', '.join(EXECUTABLE)}")
+        if command.move not in ACTIVITIES:
+            raise ConfigError("command.move", str(command.move), f"one of {', '.join(ACTIVITIES)}")
         if command.number < self._newest:
             return
-        self.work[HEARD] = t_s
+
+        self.drive[DriveColumn.HEARD_T] = t_s
         if command.number > self._newest:
             self._newest = command.number
-            self._waiting.append((t_s + self._dead_time_s, command))
-        elif self.number == command.number and self.work[MOVE] != NOTHING:
-            self.work[ORDERED], self.work[ORDERED_YAW] = command.speed_m_s, command.yaw_rate_rad_s
+            self._pending.append((t_s + self._latency_s, command))
+        elif self.number == command.number and self.drive[DriveColumn.ACTIVITY] != IDLE:
+            self.drive[DriveColumn.COMMANDED_SPEED] = command.speed_m_s
+            self.drive[DriveColumn.COMMANDED_YAW_RATE] = command.yaw_rate_rad_s
 
-    def take_up(self, t_s: float) -> None:
-        """Let the latest command whose dead time is over be the one that the next `steer` carries out."""
-        while self._waiting and self._waiting[0][0] <= t_s + 1e-9:
-            command = self._waiting.popleft()[1]
+    def start_pending(self, t_s: float) -> None:
+        """Start the latest command whose latency is over; `update_drive` carries it out."""
+        # The tolerance lets a command start in the step at which its latency ends exactly.
+        while self._pending and self._pending[0][0] <= t_s + 1e-9:
+            command = self._pending.popleft()[1]
             self.number = command.number
-            self.work[MOVE:] = (
-                EXECUTABLE[command.move], command.speed_m_s, command.yaw_rate_rad_s, command.heading_rad, 1.0,
-            )  # fmt: skip
+            self.drive[DriveColumn.ACTIVITY] = ACTIVITIES[command.move]
+            self.drive[DriveColumn.COMMANDED_SPEED] = command.speed_m_s
+            self.drive[DriveColumn.COMMANDED_YAW_RATE] = command.yaw_rate_rad_s
+            self.drive[DriveColumn.HEADING] = command.heading_rad
+            self.drive[DriveColumn.NEW] = 1.0
 
     def update(self, state: RobotState) -> WheelCommand:
-        """One control tick.
+        """Take one control step.
 
         Args:
-            state: the newest odometry sample; its stamp is the tick's time.
+            state: newest odometry estimate; its time is that of the step.
 
         Returns:
-            wheel speeds to hold until the next tick.
+            wheel speeds to hold until the next step.
         """
-        self.take_up(state.t_s)
-        steer(np.array(state), self.limits, self.work)
-        return WheelCommand(self.work.item(LEFT_WHEEL), self.work.item(RIGHT_WHEEL))
+        self.start_pending(state.t_s)
+        update_drive(np.array(state), self.limits, self.drive)
+        return self.wheels

@@ -1,140 +1,123 @@
-"""What the robot believes about its own motion, and the events that follow from it.
-
-The position comes from the wheels' encoders, the heading from the gyro. The rules are compiled functions over small
-arrays, which a turn of the robot calls one after the other (`turns`); the classes hold these arrays.
-"""
+"""Odometry: the robot's estimate of its own pose, from wheel encoders and the gyro."""
 
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 
 import numpy as np
 from numba import njit
 
 from ..config import RobotConfig
-from ..core import Array, Kind, RobotState, WheelReading
-from .diff_drive import Pose, moved
+from ..core import Array, RobotState, WheelReading
+from .diff_drive import Pose, advance_pose
 
-MOVING_M_S = 0.002 * 50
-"""The robot moves when it is faster than this. Source: iqbal2016, which compares successive samples with .002 m
-and gives no rate; read at the Kobuki's 50 Hz and kept as a velocity, so that another rate means the same."""
 
-TURNING_RAD_S = 0.4
-"""The robot turns when its yaw rate is beyond this. Source: iqbal2016."""
+class OdometryColumn(IntEnum):
+    """Places in an odometry estimate; the first `STATE_WIDTH` are the fields of `RobotState`, in its units."""
 
-CONFIRMING = 3
-"""Samples in a row that a start or a stop needs. Source: iqbal2016."""
+    T = 0
+    X = 1
+    Y = 2
+    HEADING = 3
+    STEP = 4
+    """Distance since the sample before, forward positive [m]."""
+    YAW_RATE = 5
+    LEFT_TICKS = 6
+    """Count of the left encoder."""
+    RIGHT_TICKS = 7
 
-EVENTS = (None, Kind.START_FORWARD, Kind.START_BACKWARD, Kind.STOP_FORWARD, Kind.STOP_BACKWARD, Kind.TURN)
-"""What `detect` numbers."""
-_START, _STOP, _TURN = 1, 3, 5
 
-T, X, Y, HEADING, STEP, RATE, LEFT, RIGHT = range(8)
-"""A belief: the columns of `types.RobotState`, and behind them the encoders' counts."""
+STATE_WIDTH = 6
+"""Number of leading values of an odometry estimate that make up a `RobotState`."""
 
-PER_RAD, METRES, TRACK, BIAS, BY_GYRO = range(5)
-"""A base: ticks per radian, way per tick [m], track [m], the gyro's bias [rad/s], whether it gives the heading."""
 
-SEEN_T, INTERVAL, WAY, SIGN, RUN, FIRST_T, REST, REST_T, CALM, TURNING, EVENT_T = range(11)
-"""What a detector remembers: time of the last sample and the interval before the first one [s]; the way it goes, +1 or
--1 between a start and its stop; sign, number and first time of the latest samples that are alike; number and first
-time of those that go another way; number of those without a turn; whether it turns; when the last event was."""
+class CalibrationColumn(IntEnum):
+    """Places in the calibration of an odometry."""
 
-_BLOCK = 256
+    TICKS_PER_RAD = 0
+    """Encoder ticks per radian of a wheel."""
+    M_PER_TICK = 1
+    """Distance per tick, with the radius that odometry assumes [m]."""
+    WHEEL_SEPARATION = 2
+    """The distance between the wheels that odometry assumes [m]."""
+    GYRO_BIAS = 3
+    """Constant error of the gyro [rad/s]."""
+    HEADING_FROM_GYRO = 4
+    """1 if the heading is the integrated yaw rate of the gyro, 0 if it comes from the encoders."""
+
+
+_NOISE_BLOCK = 256
+"""Number of noise values drawn at a time, which is cheaper than one by one."""
 
 
 @njit(cache=True)
-def reckon(
-    t_s: float, left_rad: float, right_rad: float, yaw_rate_rad_s: float, noise_rad_s: float, base: Array,
-    belief: Array,
+def update_estimate(
+    t_s: float, left_rad: float, right_rad: float, yaw_rate_rad_s: float, noise_rad_s: float, calibration: Array,
+    estimate: Array,
 ) -> None:  # fmt: skip
-    """Bring a belief up to date with one sample; see `Odometry`."""
-    left, right = math.floor(left_rad * base[PER_RAD]), math.floor(right_rad * base[PER_RAD])
-    rate, step = yaw_rate_rad_s + base[BIAS] + noise_rad_s, 0.0
-    if not math.isnan(belief[T]):
-        left_m, right_m = (left - belief[LEFT]) * base[METRES], (right - belief[RIGHT]) * base[METRES]
-        step = (left_m + right_m) / 2
-        x, y, heading = moved((belief[X], belief[Y], belief[HEADING]), left_m, right_m, base[TRACK])
-        if base[BY_GYRO] > 0.0:
-            heading = belief[HEADING] + (belief[RATE] + rate) / 2 * (t_s - belief[T])
-        belief[X], belief[Y], belief[HEADING] = x, y, heading
-    belief[T], belief[STEP], belief[RATE] = t_s, step, rate
-    belief[LEFT], belief[RIGHT] = left, right
+    """Update an odometry estimate with one sample of the sensors.
 
-
-@njit(cache=True)
-def detect(belief: Array, seen: Array) -> int:
-    """Look at one sample; see `RobotEventDetector`.
-
-    Returns:
-        which of `EVENTS` it shows, 0 for none; its time is in ``seen``.
+    Args:
+        t_s: session time of the sample.
+        left_rad: angle of the left wheel since power-up.
+        right_rad: angle of the right wheel.
+        yaw_rate_rad_s: true yaw rate.
+        noise_rad_s: noise of the gyro in this sample.
+        calibration: (5,) see `CalibrationColumn`.
+        estimate: (8,) see `OdometryColumn`, in and out; its time is NaN before the first sample, which only sets the
+            zero of the encoders.
     """
-    t = belief[T]
-    interval = t - seen[SEEN_T] if not math.isnan(seen[SEEN_T]) else seen[INTERVAL]
-    seen[SEEN_T] = t
-    if _turn_begins(belief[RATE], seen):
-        seen[EVENT_T] = t
-        return _TURN
-    limit = MOVING_M_S * interval
-    sign = 1.0 if belief[STEP] > limit else -1.0 if belief[STEP] < -limit else 0.0
-    if seen[TURNING] > 0.0 and sign != seen[WAY]:
-        sign = 0.0
-    _count(sign, t, seen)
-    if seen[WAY] != 0.0 and seen[REST] >= CONFIRMING:
-        event = _STOP if seen[WAY] > 0.0 else _STOP + 1
-        seen[WAY] = seen[REST] = 0.0
-        seen[EVENT_T] = seen[REST_T]
-        return event
-    if seen[WAY] == 0.0 and seen[SIGN] != 0.0 and seen[RUN] >= CONFIRMING:
-        seen[WAY], seen[REST], seen[EVENT_T] = seen[SIGN], 0.0, seen[FIRST_T]
-        return _START if seen[WAY] > 0.0 else _START + 1
-    return 0
+    # An encoder counts whole ticks.
+    left = math.floor(left_rad * calibration[CalibrationColumn.TICKS_PER_RAD])
+    right = math.floor(right_rad * calibration[CalibrationColumn.TICKS_PER_RAD])
+    yaw_rate = yaw_rate_rad_s + calibration[CalibrationColumn.GYRO_BIAS] + noise_rad_s
+    step = 0.0
 
+    if not math.isnan(estimate[OdometryColumn.T]):
+        left_m = (left - estimate[OdometryColumn.LEFT_TICKS]) * calibration[CalibrationColumn.M_PER_TICK]
+        right_m = (right - estimate[OdometryColumn.RIGHT_TICKS]) * calibration[CalibrationColumn.M_PER_TICK]
+        step = (left_m + right_m) / 2
 
-@njit(cache=True)
-def _turn_begins(yaw_rate: float, seen: Array) -> bool:
-    if -TURNING_RAD_S <= yaw_rate <= TURNING_RAD_S:
-        seen[CALM] += 1.0
-        if seen[CALM] >= CONFIRMING:
-            seen[TURNING] = 0.0
-        return False
-    begins = bool(seen[TURNING] == 0.0)
-    seen[CALM], seen[TURNING] = 0.0, 1.0
-    return begins
+        heading_before = estimate[OdometryColumn.HEADING]
+        pose = (estimate[OdometryColumn.X], estimate[OdometryColumn.Y], heading_before)
+        x, y, heading = advance_pose(pose, left_m, right_m, calibration[CalibrationColumn.WHEEL_SEPARATION])
 
+        # The trapezoidal rule: the yaw rate between two samples is taken as the mean of both.
+        if calibration[CalibrationColumn.HEADING_FROM_GYRO] > 0.0:
+            mean_rate = (estimate[OdometryColumn.YAW_RATE] + yaw_rate) / 2
+            heading = heading_before + mean_rate * (t_s - estimate[OdometryColumn.T])
 
-@njit(cache=True)
-def _count(sign: float, t: float, seen: Array) -> None:
-    if sign != seen[SIGN]:
-        seen[SIGN], seen[RUN], seen[FIRST_T] = sign, 0.0, t
-    seen[RUN] += 1.0
-    if sign == seen[WAY]:
-        seen[REST] = 0.0
-        return
-    if seen[REST] == 0.0:
-        seen[REST_T] = t
-    seen[REST] += 1.0
+        estimate[OdometryColumn.X] = x
+        estimate[OdometryColumn.Y] = y
+        estimate[OdometryColumn.HEADING] = heading
+
+    estimate[OdometryColumn.T] = t_s
+    estimate[OdometryColumn.STEP] = step
+    estimate[OdometryColumn.YAW_RATE] = yaw_rate
+    estimate[OdometryColumn.LEFT_TICKS] = left
+    estimate[OdometryColumn.RIGHT_TICKS] = right
 
 
 class Odometry:
-    """Dead reckoning from counted encoder ticks and the integrated gyro.
+    """Dead reckoning from encoder ticks and the integrated gyro.
 
-    It believes in a wheel radius and a track that may be wrong by the configured errors; its true motion does not
-    depend on them. The encoders bend the path inside a sample and the gyro then overwrites the heading, as in the
-    Kobuki's driver; so with the gyro a wrong track hardly shows.
+    It assumes a wheel radius and a wheel separation that differ from the true ones by the configured errors; the true
+    motion does not depend on them. Within a sample the encoders bend the path, and then the gyro sets the heading, as
+    in the Kobuki's driver. With the gyro an error of the wheel separation therefore has little effect.
 
     Args:
         config: calibration, its errors, and the noise of the gyro.
-        start_pose: x [m], y [m], heading [rad] at the first sample.
-        rng: the gyro's noise; without it there is none.
-        gyro: take the heading from the gyro, the driver's own choice, or from the encoders alone.
+        start_pose: x [m], y [m] and heading [rad] at the first sample.
+        rng: generator of the gyro's noise; None leaves the noise out.
+        gyro: whether the heading comes from the gyro, as in the driver, or from the encoders alone.
 
     Attributes:
-        base: what `reckon` knows of the robot.
-        belief: where it believes to be.
+        calibration: (5,) see `CalibrationColumn`.
+        estimate: (8,) present estimate, see `OdometryColumn`.
     """
 
-    __slots__ = ("_draws", "_noise", "_rng", "base", "belief")
+    __slots__ = ("_draws", "_noise_rad_s", "_rng", "calibration", "estimate")
 
     def __init__(
         self,
@@ -144,70 +127,40 @@ class Odometry:
         *,
         gyro: bool = True,
     ) -> None:
-        per_rad = config.ticks_per_rev / (2 * math.pi)
-        metres = config.wheel_radius_m * (1 + config.wheel_radius_error) / per_rad
-        track = config.wheel_separation_m * (1 + config.wheel_separation_error)
-        self.base = np.array([per_rad, metres, track, config.gyro_bias_rad_s, float(gyro)])
-        self.belief = np.array([math.nan, *start_pose, 0.0, 0.0, 0.0, 0.0])
-        self._noise = config.gyro_noise_rad_s if rng is not None else 0.0
+        ticks_per_rad = config.ticks_per_rev / (2 * math.pi)
+        m_per_tick = config.wheel_radius_m * (1 + config.wheel_radius_error) / ticks_per_rad
+        separation_m = config.wheel_separation_m * (1 + config.wheel_separation_error)
+        self.calibration = np.array([ticks_per_rad, m_per_tick, separation_m, config.gyro_bias_rad_s, float(gyro)])
+        self.estimate = np.array([math.nan, *start_pose, 0.0, 0.0, 0.0, 0.0])
+
+        self._noise_rad_s = config.gyro_noise_rad_s if rng is not None else 0.0
         self._rng = rng
         self._draws: list[float] = []
 
     @property
     def state(self) -> RobotState:
-        """The last sample."""
-        return RobotState(*self.belief[: RATE + 1].tolist())
+        """The estimate of the last sample."""
+        return RobotState(*self.estimate[:STATE_WIDTH].tolist())
 
     def noise_rad_s(self) -> float:
-        """The gyro's noise in the next sample; drawn for many at a time, which is cheaper [rad/s]."""
-        if self._noise == 0.0 or self._rng is None:
+        """The gyro's noise in the next sample [rad/s]; each call uses one draw."""
+        if self._noise_rad_s == 0.0 or self._rng is None:
             return 0.0
+
         if not self._draws:
-            self._draws = self._rng.standard_normal(_BLOCK)[::-1].tolist()
-        return self._noise * self._draws.pop()
+            # Reversed, because pop takes the last.
+            self._draws = self._rng.standard_normal(_NOISE_BLOCK)[::-1].tolist()
+        return self._noise_rad_s * self._draws.pop()
 
     def update(self, t_s: float, reading: WheelReading) -> RobotState:
-        """Take one sample; the first one only fixes the encoders' zero and reports the start pose.
+        """Update the estimate with one sample; the first sample gives the start pose.
 
         Args:
             t_s: session time of the sample; the gyro is integrated over the interval since the last one.
-            reading: the base's own sensors.
-        """
-        reckon(
-            t_s, reading.left_rad, reading.right_rad, reading.yaw_rate_rad_s, self.noise_rad_s(), self.base, self.belief
-        )
-        return self.state
-
-
-class RobotEventDetector:
-    """Turns odometry into the robot's events.
-
-    Starts and stops are the first of three samples on the other side of `MOVING_M_S`; a turn is the first sample
-    beyond `TURNING_RAD_S`. While the robot turns nothing starts. A reversal quicker than three samples still gives
-    its stop first and its start one sample later. Nothing is invented: a move too slow to cross gives no event.
-
-    Args:
-        config: the odometry's rate, for the first interval only; later ones are taken from the stamps.
-
-    Attributes:
-        seen: what `detect` remembers.
-    """
-
-    __slots__ = ("seen",)
-
-    def __init__(self, config: RobotConfig) -> None:
-        self.seen = np.zeros(11)
-        self.seen[SEEN_T], self.seen[INTERVAL] = math.nan, 1.0 / config.odometry_hz
-
-    def event(self, number: int) -> tuple[Kind, float] | None:
-        """The event that `detect` has just numbered, and the time of its first sample [s]."""
-        kind = EVENTS[number]
-        return None if kind is None else (kind, self.seen.item(EVENT_T))
-
-    def update(self, state: RobotState) -> tuple[Kind, float] | None:
-        """Look at one sample.
+            reading: the sensors of the base.
 
         Returns:
-            the event and the time of its first sample [s] (two samples ago for starts and stops), or None.
+            the new estimate.
         """
-        return self.event(detect(np.array(state), self.seen))
+        update_estimate(t_s, *reading, self.noise_rad_s(), self.calibration, self.estimate)
+        return self.state

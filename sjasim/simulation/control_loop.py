@@ -7,9 +7,10 @@ import numpy as np
 from ..config import RobotConfig
 from ..core import Kind, MoveCommand, RobotState, WheelCommand
 from ..humans.motion.balance_controller import BalanceController
-from ..robot.base_controller import LEFT_WHEEL, RIGHT_WHEEL, BaseController, steer
+from ..robot.base_controller import BaseController, update_drive
 from ..robot.diff_drive import Pose
-from ..robot.odometry import RATE, Odometry, RobotEventDetector, detect, reckon
+from ..robot.event_detector import RobotEventDetector, detect_event
+from ..robot.odometry import STATE_WIDTH, Odometry, update_estimate
 from .physics import Physics
 from .recorder import GroundTruthRecorder
 
@@ -89,18 +90,17 @@ class RobotController:
         Returns:
             the event that odometry shows, with its time [s], or None.
         """
-        self._base.take_up(t_s)
-        estimate = self._odometry.belief
+        self._base.start_pending(t_s)
+        estimate = self._odometry.estimate
         left_rad, right_rad, yaw_rate_rad_s = self._physics.wheel_reading()
         noise_rad_s = self._odometry.noise_rad_s()
-        reckon(t_s, left_rad, right_rad, yaw_rate_rad_s, noise_rad_s, self._odometry.base, estimate)
-        event = detect(estimate, self._detector.seen)
-        steer(estimate, self._base.limits, self._base.work)
+        update_estimate(t_s, left_rad, right_rad, yaw_rate_rad_s, noise_rad_s, self._odometry.calibration, estimate)
+        event = detect_event(estimate, self._detector.memory)
+        update_drive(estimate, self._base.limits, self._base.drive)
 
-        wheels = WheelCommand(self._base.work.item(LEFT_WHEEL), self._base.work.item(RIGHT_WHEEL))
-        self._physics.drive(STOPPED if wheels_blocked else wheels)
+        self._physics.drive(STOPPED if wheels_blocked else self._base.wheels)
 
         row = self._recorder.next_odometry_row()
-        self._recorder.odometry_rows[row, : RATE + 1] = estimate[: RATE + 1]
-        self._recorder.odometry_rows[row, RATE + 1 :] = self._physics.robot_pose()
+        self._recorder.odometry_rows[row, : STATE_WIDTH] = estimate[: STATE_WIDTH]
+        self._recorder.odometry_rows[row, STATE_WIDTH :] = self._physics.robot_pose()
         return self._detector.event(event) if event else None

@@ -1,4 +1,4 @@
-"""The robot in physics: what it weighs, how truly it drives, and what a leg feels."""
+"""Tests of the robot in physics: mass, contacts, accuracy of its motion, and forces on a leg."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ HALF_DEGREE, DEGREE = math.radians(0.5), math.radians(1.0)
 
 
 def add_leg(at_m: float, mass: float | None = None):
-    """A shank at this x: fixed, or sliding along x with this mass."""
+    """Function that adds a shank at an x: fixed, or sliding along x with a mass."""
 
-    def furnish(scene: mujoco.MjSpec) -> None:
+    def add_to_scene(scene: mujoco.MjSpec) -> None:
         leg = scene.worldbody.add_body(name="leg", pos=[at_m, 0, 0.26])
         if mass is not None:
             leg.add_joint(name="leg", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[1, 0, 0])
@@ -28,7 +28,7 @@ def add_leg(at_m: float, mass: float | None = None):
             contype=dancer_bit(0), conaffinity=ROBOT_BIT,
         )  # fmt: skip
 
-    return furnish
+    return add_to_scene
 
 
 def peak_force(rig, seconds: float) -> float:
@@ -58,7 +58,8 @@ def test_mass_follows_the_configuration(make_rig):
     assert model.body(ROBOT_PREFIX + "base").subtreemass[0] == pytest.approx(9.0)
 
 
-def test_contact_bits(rig):
+def test_parts_collide_with_the_floor_and_the_dancers_only(rig):
+    assert rig.model.ngeom > 20
     for index in range(rig.model.ngeom):
         geom = rig.model.geom(index)
         if geom.name == "floor" or geom.name.endswith("bumper"):
@@ -119,7 +120,7 @@ def test_four_quarter_turns_each_within_a_degree(rig, order):
     assert math.hypot(x, y) < 0.005
 
 
-def test_delay_from_command_to_event(rig, order):
+def test_latency_from_command_to_event(rig, order):
     sent = [rig.send(order(1, Move.FORWARD))]
     for number, move in enumerate((Move.STOP, Move.BACKWARD, Move.STOP), start=2):
         rig.run(1.5)
@@ -135,38 +136,39 @@ def test_a_lost_link_stops_the_base(rig, order):
     rig.heartbeats = False
     rig.send(order(1, Move.FORWARD))
     rig.run(2.0)
-    assert rig.executor.timed_out
+    assert rig.controller.timed_out
     assert abs(rig.true_velocity()[0]) < 1e-3
     assert [kind for kind, _ in rig.events] == [Kind.START_FORWARD, Kind.STOP_FORWARD]
 
 
-def test_calibration_errors_show_in_odometry_not_in_the_truth(make_rig):
-    truth, belief = [], []
+def test_calibration_errors_change_odometry_and_not_the_true_motion(make_rig):
+    truth = []
+    estimates = []
     for error in (0.0, 0.03):
         config = replace(RobotConfig(), wheel_radius_error=error, gyro_bias_rad_s=error)
         rig = make_rig(config)
         rig.drive = (0.25, 0.0)
         rig.run(1.5)
         truth.append(rig.truth[-1])
-        belief.append((rig.state.x_m, rig.state.heading_rad))
+        estimates.append((rig.state.x_m, rig.state.heading_rad))
     assert truth[0] == truth[1]
-    assert belief[1][0] == pytest.approx(1.03 * belief[0][0], rel=0.003)
-    assert belief[1][1] - belief[0][1] == pytest.approx(0.03 * 1.8, rel=0.03)
+    assert estimates[1][0] == pytest.approx(1.03 * estimates[0][0], rel=0.003)
+    assert estimates[1][1] - estimates[0][1] == pytest.approx(0.03 * 1.8, rel=0.03)
 
 
 def test_running_into_a_leg_is_soft_and_reported_as_blocked(make_rig, order):
-    rig = make_rig(furnish=add_leg(0.4))
+    rig = make_rig(add_to_scene=add_leg(0.4))
     rig.send(order(1, Move.FORWARD, speed=0.5))
     assert 20.0 < peak_force(rig, 2.0) < 400.0
-    assert rig.executor.blocked
+    assert rig.controller.blocked
     assert rig.true_pose()[0] < 0.2
     rig.send(order(2, Move.STOP))
     rig.run(1.0)
-    assert not rig.executor.blocked
+    assert not rig.controller.blocked
 
 
-def test_a_leg_walking_into_the_robot_shoves_it(make_rig):
-    rig = make_rig(furnish=add_leg(0.4, mass=60.0))
+def test_a_leg_that_walks_into_the_robot_pushes_it(make_rig):
+    rig = make_rig(add_to_scene=add_leg(0.4, mass=60.0))
     rig.data.joint("leg").qvel[0] = -1.0
     assert peak_force(rig, 0.6) < 500.0
     assert rig.true_pose()[0] < -0.05

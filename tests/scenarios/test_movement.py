@@ -1,4 +1,4 @@
-"""What dancers of any build withstand: whole dances, a push, a robot; with the tether and without it."""
+"""Balance of dancers of any build: whole dances, pushes and a collision with the robot, with and without support."""
 
 import dataclasses
 import math
@@ -18,7 +18,7 @@ DANCE = DanceConfig(rehearsal=False)
 
 
 @pytest.mark.parametrize("side", [0.0, math.pi / 2, math.pi, -math.pi / 2], ids=["front", "left", "back", "right"])
-def test_a_robot_that_drives_into_a_dancer_is_stopped_and_the_dancer_sways(side):
+def test_a_robot_that_drives_into_a_dancer_stops_and_the_dancer_sways(side):
     hit = collision_trial(9601, side)
     assert 50.0 < hit.peak_n < 300.0
     assert hit.falls == 0
@@ -28,13 +28,13 @@ def test_a_robot_that_drives_into_a_dancer_is_stopped_and_the_dancer_sways(side)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("walking", [False, True], ids=["standing", "walking"])
-def test_a_push_of_20_newton_seconds_fells_nobody(walking):
+def test_no_dancer_falls_after_a_push_of_20_newton_seconds(walking):
     assert sum(count_falls_after_push(seed, 20.0, walking=walking) for seed in range(9601, 9605)) == 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper", "march", "waltz"])
-def test_a_dance_by_unknown_people_is_on_its_feet_and_on_time(name):
+def test_dancers_of_new_builds_do_not_fall_and_are_on_time(name):
     found = motion_figures([dance_trial(9611, iterations=2, dance=dataclasses.replace(DANCE, name=name))])
     assert found["falls"] == found["crossings_missing"] == found["claps_missing"] == 0
     assert found["pelvis_error_mean_mm"] <= 25
@@ -48,7 +48,7 @@ def test_a_dance_by_unknown_people_is_on_its_feet_and_on_time(name):
 
 
 @pytest.mark.slow
-def test_dancers_who_balance_alone_finish_a_dance():
+def test_dancers_without_balance_support_finish_a_dance():
     alone = motion_figures([dance_trial(9621, body=dataclasses.replace(FULL_RANGE, balance_support="none"))])
     assert alone["falls"] == 0
     assert alone["tether_rms_n"] == 0.0
