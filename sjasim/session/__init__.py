@@ -1,1 +1,6 @@
-"""One session: the loop that connects a world, the server and a method, and the protocol of a world."""
+"""One session: the loop around a world, and the protocol of a world."""
+
+from .session import Session, run_session
+from .world import World
+
+__all__ = ["Session", "World", "run_session"]

@@ -6,6 +6,7 @@ sets of functions, but for a few small ones, so that two processes can compile t
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Callable
 
@@ -41,6 +42,8 @@ PARTS: dict[str, Callable[[], None]] = {"session": compile_session, "skeletons":
 
 def main(names: list[str]) -> None:
     """Compile the named parts, or all of them if none is named."""
+    # Collecting cycles takes a tenth of the time that compiling takes, and this process ends soon.
+    gc.disable()
     for name in names or list(PARTS):
         PARTS[name]()
 
