@@ -35,6 +35,7 @@ class Timetable:
 
     def time_s(self, iteration: int, beat: float) -> float:
         """Session time of a beat of an iteration [s]."""
+        # Tempo changes and pauses are given in beats of the song, which counts on through the iterations.
         song_beat = (iteration - self.first) * self.choreography.iteration_beats + beat
         return self.lead_in_s + self.tempo.time_s(song_beat)
 

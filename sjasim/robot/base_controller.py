@@ -216,6 +216,7 @@ def _target(estimate: Array, limits: Array, drive: Array) -> tuple[float, float]
     speed = _clip(commanded, SETTLING_MAX_M_S if activity == STOP else limits[LimitColumn.SPEED])
     if activity != STOP:
         speed = -abs(speed) if activity == BACKWARD else abs(speed)
+    # A base at rest does not chase small errors, which would look like motion.
     if speed == 0.0 and drive[DriveColumn.SPEED] == 0.0 and abs(off) < HEADING_TOLERANCE_RAD:
         return 0.0, 0.0
 
@@ -229,6 +230,7 @@ def _turn_rate(remaining: float, limits: Array, drive: Array) -> float:
         drive[DriveColumn.ACTIVITY] = IDLE
         return 0.0
 
+    # The wheels respond a step later, when the base has turned further.
     remaining -= drive[DriveColumn.YAW_RATE] * TURN_LEAD_S
     braking = math.sqrt(2 * TURN_DECELERATION_SHARE * limits[LimitColumn.YAW_ACCELERATION] * abs(remaining))
     return math.copysign(min(limits[LimitColumn.TURN_RATE], braking, TURN_GAIN_PER_S * abs(remaining)), remaining)

@@ -50,6 +50,7 @@ def wheel_speeds(
     """Speeds of the left and the right wheel [rad/s]; see `wheel_command`."""
     speed = min(max(speed_m_s, -max_speed_m_s), max_speed_m_s)
     yaw_rate = min(max(yaw_rate_rad_s, -max_yaw_rate_rad_s), max_yaw_rate_rad_s)
+    # Each wheel runs on a circle half a wheel separation off the middle's.
     offset = yaw_rate * wheel_separation_m / 2
 
     fastest = abs(speed) + abs(offset)

@@ -198,6 +198,7 @@ def _mass_points(shape: Shape) -> list[tuple[Array, float]]:
         return [(a, shape.mass)]
 
     b = np.array(shape.b, dtype=np.float64)
+    # A rod of length L has the moment m L^2 / 12, as two halves of its mass at L / sqrt(12) from the middle.
     middle = (a + b) / 2
     half = (b - a) / 2 / np.sqrt(3.0)
     return [(middle - half, shape.mass / 2), (middle + half, shape.mass / 2)]

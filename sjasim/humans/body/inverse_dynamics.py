@@ -79,6 +79,7 @@ def _place(
 def _accelerations(points: Array, dt_s: float, stride: int) -> Array:
     """(T, P, 3) smoothed second differences over ``stride`` ticks; near both ends the points count as resting."""
     ticks = len(points)
+    # Multiplying by the reciprocal is cheaper than a division for every coordinate.
     per = 1.0 / (stride * dt_s) ** 2
     out = np.zeros_like(points)
 

@@ -119,6 +119,7 @@ def dancer_spec(anatomy: Anatomy, index: int, group: int, config: BodyConfig) ->
     spec = mujoco.MjSpec()
     spec.modelname = "dancer"
     spec.compiler.degree = False
+    # Inertia about a joint goes with mass times length squared; gains follow it.
     scale = anatomy.build.mass_kg / 75.0 * (anatomy.build.stature_m / 1.75) ** 2
 
     bodies: list[mujoco.MjsBody] = []
@@ -184,6 +185,7 @@ def add_root(body: mujoco.MjsBody, axes: Array = AXES, place: Array | None = Non
 
 def _add_shape(body: mujoco.MjsBody, shape: Shape, index: int, group: int) -> None:
     """Add a shape as a geom with the contacts of its role; see `Shape.role`."""
+    # Without its own bit in conaffinity a dancer never collides with itself, which its planned postures avoid.
     own = dancer_bit(index)
     others = ROBOT_BIT | sum(dancer_bit(other) for other in range(group) if other != index)
     geom = body.add_geom(

@@ -285,6 +285,7 @@ def _correct_dancer(
             targets[d, _LEGS[side, LegJoint.ANKLE_X]] -= states[d, StateColumn.ROOT + 5]
         else:
             for k in range(3):
+                # The decay is given for a sixtieth of a second, whatever the control rate is.
                 foot_shift[d, side, k] *= gains[GainColumn.DECAY] ** (60.0 / rate)
 
         _apply_foot_shift(d, side, foot_shift, actuators[d, ActuatorColumn.LEG], targets)

@@ -268,6 +268,7 @@ class Planner:
 
         start_lag, stop_lag = LAGS_S[cue.move]
         stop_lag += SHORT_MOVE_LAG * max(SHORT_MOVE_S - cue.duration_s, 0.0)
+        # The plan leads by the lag of the bodies, so that the true onsets are at the cue's times.
         start_s = cue.t_s - start_lag
         profile = speed_profile(max(wanted, 0.0), cue.duration_s + start_lag - stop_lag)
 
@@ -305,6 +306,7 @@ class Planner:
             self._feet.swing(step, self._place, self._heading + self._turn_rad * step.along)
 
         self._heading += self._turn_rad
+        # The axis changes in the middle of the turn, where the pelvis follows the centre of mass alone.
         self._axis[window][since >= 0.5] = self._heading
         self._free[window] = minimum_jerk(since / BLEND_SHARE) * minimum_jerk((1.0 - since) / BLEND_SHARE)
 

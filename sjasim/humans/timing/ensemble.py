@@ -116,6 +116,7 @@ class EnsembleTiming:
         self._late_s = parameters.per_dancer("late_s", dancers, 0.0)
         self._drift = parameters.per_dancer("drift", dancers, 0.0)
 
+        # Drawn from the persons' generator, so that the same people are as noisy under every method.
         self._group_scale = _lognormal(parameters.group_spread, people)
         spread = np.array([_lognormal(parameters.dancer_spread, people) for _ in range(dancers)])
         self._dancer_scale = spread * parameters.per_dancer("scale", dancers, 1.0)
@@ -300,6 +301,7 @@ class EnsembleTiming:
         noise = self._rng.standard_normal(len(self._steps))
         rho = self._parameters.common_correlation
 
+        # The factor of the noise keeps the standard deviation at 1.
         shift = np.empty(len(noise))
         shift[0] = noise[0]
         for k in range(1, len(noise)):

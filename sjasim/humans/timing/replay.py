@@ -79,6 +79,7 @@ class Replay:
             self._check_iteration(event)
             own.setdefault((index[event.agent], event.iteration), []).append(event)
 
+        # Turns come last: their length depends on the first move of the next iteration.
         self._cues = {key: self._moves_and_claps(key[0], key[1], found) for key, found in sorted(own.items())}
         self._add_turns(own)
         self._begun: int | None = None
@@ -238,6 +239,7 @@ class Replay:
         if cues and cues[-1].move is Move.CLAP:
             begin_s = cues[-1].t_s + TURN_AFTER_CLAP_S
 
+        # A turn that the table does not have is shortened rather than refused, as long as it is possible.
         t_s = recorded[0].t_s if recorded else max(begin_s, free_s + MIN_HOLD_S)
         next_s = following[0].t_s if following else math.inf
         duration_s = min(nominal_s, next_s - MIN_HOLD_S - t_s)
