@@ -14,12 +14,11 @@ from sjasim.commands.result_table import session_title
 from sjasim.config import DanceConfig, SessionConfig
 from sjasim.config.toml_file import from_plain, to_plain, to_toml
 
-from .analysis.synthetic import session
 from .anticipation.policies import write
 
 
 @pytest.fixture
-def danced(monkeypatch):
+def danced(monkeypatch, make_session_log):
     """Sessions made by formula stand in for danced ones; the configurations that were asked for."""
     asked = []
 
@@ -27,7 +26,7 @@ def danced(monkeypatch):
         asked.append(config)
         progress(0.5)
         robot = config.method != "none"
-        return session(config.method, config.seed, config.iterations, robot=robot, joints=False)
+        return make_session_log(config.method, config.seed, config.iterations, robot=robot, joints=False)
 
     fake = types.ModuleType("sjasim.session.session")
     fake.run_session = run_session

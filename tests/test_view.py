@@ -12,7 +12,6 @@ from sjasim.analysis.session_metrics import measures
 from sjasim.commands.main import main
 from sjasim.record import atomic_folder, session_folder
 
-from .analysis.synthetic import session
 from .record.rerun.test_recording import with_skeletons
 
 pytest.importorskip("rerun")
@@ -26,8 +25,8 @@ NEEDS_VIEWER = pytest.mark.skipif(
 
 
 @pytest.fixture(scope="module")
-def log():
-    return with_skeletons(session(iterations=1))
+def log(make_session_log):
+    return with_skeletons(make_session_log(iterations=1))
 
 
 @pytest.fixture(scope="module")
@@ -167,7 +166,7 @@ def test_a_viewer_that_dies_after_its_first_answer_says_why(monkeypatch, words, 
 
     monkeypatch.setattr(viewer, "start", dying)
     monkeypatch.setattr(viewer, "wait_until_ready", lambda *given: None)
-    with pytest.raises(session_folder.RecordError, match=says), viewer.running():
+    with pytest.raises(session_folder.RecordError, match=says), viewer.headless_viewer():
         raise ConnectionError("transport error")
 
 

@@ -1,1 +1,1 @@
-"""What a recorded session says: measures per session, statistics per study, pictures, reports."""
+"""Analysis of recorded sessions: measures, delays, accuracy, figures, and calibration of the human timing model."""

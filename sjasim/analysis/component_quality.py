@@ -1,4 +1,4 @@
-"""How well each part did its work: detectors, clocks, robot, bodies."""
+"""Quality of single components in one session: detectors, clock synchronisation, robot, bodies."""
 
 from __future__ import annotations
 
@@ -13,28 +13,30 @@ from ..choreography.timetable import Timetable
 from ..config import NetworkConfig, SessionConfig
 from ..core import Array, DeviceEvent, Event, Kind, MoveCommand
 from ..core.session_log import AgentEvent
-from .event_matching import matched
+from .event_matching import match_times
 
-WITHIN_S = 0.4
-"""A logged and a true event this close may be the same one."""
+MATCH_WITHIN_S = 0.4
+"""Largest distance between a logged event and the true event that it reports [s]."""
 
-ARRIVED_WITHIN_S = 0.5
-"""An event that arrived this close to when a device event should have, by the network's mean delay, may be that one;
-whatever the clocks showed."""
+ARRIVAL_WITHIN_S = 0.5
+"""Largest difference between an event's arrival and a device event's expected arrival, if both are the same event [s].
 
-EXECUTED_S = 1.0
-"""A command counts as executed if its robot event follows within this time."""
+Arrivals are on the server's clock alone, so that clock errors play no part in the matching.
+"""
+
+EXECUTION_WITHIN_S = 1.0
+"""Time in which the robot's event must follow a command for the command to count as executed [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class DetectorQuality:
-    """Logged against true events, matched one to one within `WITHIN_S`.
+    """Logged against true events, matched one to one within `MATCH_WITHIN_S`.
 
     Attributes:
         recall: share of the visible true events that were logged; NaN without any.
         precision: share of the logged events that are true; NaN without any.
-        timing_p95_s: 95th percentile of |logged - true| [s].
-        timing_bias_s: mean of logged - true [s].
+        timing_p95_s: 95th percentile of |logged - true time| [s].
+        timing_bias_s: mean of logged - true time [s].
         visible: number of visible true events.
         true: number of true events.
         logged: number of logged regular events.
@@ -51,11 +53,11 @@ class DetectorQuality:
 
 @dataclass(frozen=True, slots=True)
 class ClockQuality:
-    """Error of one sensor's events in session time: the server's stamp minus the true time of stamping.
+    """Errors of one sensor's events in session time: the server's time of an event minus the true time of sending.
 
     Attributes:
         p95_s: 95th percentile of the absolute error [s].
-        bias_s: mean error [s]; an asymmetric link shows here.
+        bias_s: mean error [s]; a delay that differs between the two directions of the link causes one.
         n: number of events.
     """
 
@@ -66,13 +68,13 @@ class ClockQuality:
 
 @dataclass(frozen=True, slots=True)
 class RobotQuality:
-    """What the robot made of its commands.
+    """How the robot executed its commands.
 
     Attributes:
         commands: number of different commands.
-        executed: share of them whose event followed within `EXECUTED_S`; NaN without commands.
-        end_distance_m: true distance from its slot at the end; NaN without a robot.
-        end_heading_rad: true heading error at the end, -pi to pi.
+        executed: share of them whose event followed within `EXECUTION_WITHIN_S`; NaN without commands.
+        end_distance_m: true distance from its slot at the end [m]; NaN without a robot.
+        end_heading_rad: true heading error at the end, -pi to pi [rad]; NaN without a robot.
     """
 
     commands: int
@@ -83,11 +85,11 @@ class RobotQuality:
 
 @dataclass(frozen=True, slots=True)
 class BodyQuality:
-    """How far the dancers stand on their own feet.
+    """How far dancers stand on their own feet rather than by their balance support.
 
     Attributes:
-        tether_rms_n: root mean square of the tether's horizontal force, all dancers [N].
-        feet_load_share: of the dancer who fares worst, the mean load under the feet over the weight.
+        tether_rms_n: root mean square of the balance support's horizontal force, over all dancers [N].
+        feet_load_share: mean load under the feet over the weight, of the dancer with the lowest one.
         falls: number of falls.
     """
 
@@ -97,23 +99,30 @@ class BodyQuality:
 
 
 def detector_quality(logged: Sequence[Event], true: Sequence[AgentEvent]) -> DetectorQuality:
-    """Compare the events that methods were told of with what really happened; early events do not count."""
+    """Compare the dancers' logged events with the true ones; early events do not count.
+
+    Args:
+        logged: events as methods received them.
+        true: from `ground_truth_events.dancer_events`.
+    """
     regular = [event for event in logged if not event.early]
-    gaps: list[Array] = []
-    seen = 0
+    errors: list[Array] = []
+    recalled = 0
+
     for agent, kind in sorted({(event.agent, event.kind) for event in true}):
-        really = [event for event in true if (event.agent, event.kind) == (agent, kind)]
-        times = np.array([event.t_s for event in regular if (event.person, event.kind) == (agent, kind)])
-        rows, columns = matched(times, np.array([event.t_s for event in really]), WITHIN_S)
-        gaps.append(times[rows] - np.array([really[column].t_s for column in columns]))
-        seen += sum(really[column].visible for column in columns)
-    gap = np.concatenate(gaps) if gaps else np.zeros(0)
+        true_events = [event for event in true if (event.agent, event.kind) == (agent, kind)]
+        logged_s = np.array([event.t_s for event in regular if (event.person, event.kind) == (agent, kind)])
+        rows, columns = match_times(logged_s, np.array([event.t_s for event in true_events]), MATCH_WITHIN_S)
+        errors.append(logged_s[rows] - np.array([true_events[column].t_s for column in columns]))
+        recalled += sum(true_events[column].visible for column in columns)
+
+    error = np.concatenate(errors) if errors else np.zeros(0)
     visible = sum(event.visible for event in true)
     return DetectorQuality(
-        recall=_share(seen, visible),
-        precision=_share(len(gap), len(regular)),
-        timing_p95_s=_p95(gap),
-        timing_bias_s=_mean(gap),
+        recall=_share(recalled, visible),
+        precision=_share(len(error), len(regular)),
+        timing_p95_s=_p95(error),
+        timing_bias_s=_mean(error),
         visible=visible,
         true=len(true),
         logged=len(regular),
@@ -121,56 +130,56 @@ def detector_quality(logged: Sequence[Event], true: Sequence[AgentEvent]) -> Det
 
 
 def mean_delay_s(network: NetworkConfig) -> float:
-    """How long an event takes to the server on average [s]."""
+    """Mean time from sending an event to its arrival at the server [s]."""
     return network.latency_s + network.jitter_s + network.uplink_asymmetry_s
 
 
 def sent_times(events: Sequence[Event], device_events: Sequence[tuple[DeviceEvent, float]], delay_s: float) -> Array:
-    """(N,) true time at which a client sent what became each event [s]; NaN if it cannot be found.
+    """(N,) true time at which a client sent each event [s]; NaN if no device event matches.
 
-    It is found by when the event arrived, which no clock has a part in.
+    Events are matched by their arrivals, which do not depend on the clients' clocks.
 
     Args:
         events: as the server logged them.
-        device_events: with the true time of their stamp, which is that of sending [s].
-        delay_s: mean time that an event takes to the server [s].
+        device_events: device events, each with the true time at which it was sent [s].
+        delay_s: mean time from sending to arrival [s].
     """
     found = np.full(len(events), np.nan)
-    sources, origins = (
-        [_source(event) for event in rows] for rows in (events, [device for device, _ in device_events])
-    )
-    for source in sorted(set(sources)):
-        mine = np.array([row for row, other in enumerate(sources) if other == source])
-        sent = np.array([t_s for (_, t_s), other in zip(device_events, origins, strict=True) if other == source])
-        arrived = np.array([events[row].t_arrival_s - delay_s for row in mine])
-        rows, columns = matched(arrived, sent, ARRIVED_WITHIN_S)
-        found[mine[rows]] = sent[columns]
+    event_sources = [_source(event) for event in events]
+    device_sources = [_source(device) for device, _ in device_events]
+
+    for source in sorted(set(event_sources)):
+        of_source = np.array([row for row, other in enumerate(event_sources) if other == source])
+        sent_s = np.array(
+            [t_s for (_, t_s), other in zip(device_events, device_sources, strict=True) if other == source]
+        )
+        expected_sent_s = np.array([events[row].t_arrival_s - delay_s for row in of_source])
+        rows, columns = match_times(expected_sent_s, sent_s, ARRIVAL_WITHIN_S)
+        found[of_source[rows]] = sent_s[columns]
     return found
 
 
-def _source(event: Event | DeviceEvent) -> tuple[str, str, bool]:
-    """Sensor and sort of an event; a sensor that sees a back has forward and backward exchanged by the server."""
-    return event.sensor, event.kind.value.partition("_")[0], event.early
-
-
 def clock_errors(events: Sequence[Event], sent_s: Array) -> dict[str, tuple[Array, Array]]:
-    """Clock error of the events, by sensor: true times of stamping (M,) [s] in order, and errors (M,) [s].
+    """Sensor -> (M,) true times of sending in order, and (M,) clock errors of its events [s].
 
     Args:
         events: with the server's estimate of their time.
-        sent_s: (N,) from `sent_times`.
+        sent_s: (N,) from `sent_times`; events without one are left out.
     """
     found = {}
     for sensor in sorted({event.sensor for event in events}):
-        pairs = [(t_s, event.t_s - t_s) for event, t_s in zip(events, sent_s.tolist(), strict=True)
-                 if event.sensor == sensor and np.isfinite(t_s)]  # fmt: skip
-        both = np.array(sorted(pairs)).reshape(-1, 2)
-        found[sensor] = (both[:, 0], both[:, 1])
+        pairs = [
+            (t_s, event.t_s - t_s)
+            for event, t_s in zip(events, sent_s.tolist(), strict=True)
+            if event.sensor == sensor and np.isfinite(t_s)
+        ]
+        table = np.array(sorted(pairs)).reshape(-1, 2)
+        found[sensor] = (table[:, 0], table[:, 1])
     return found
 
 
 def clock_quality(errors: Mapping[str, tuple[Array, Array]]) -> dict[str, ClockQuality]:
-    """Judge every sensor's clock by the errors of its events."""
+    """Summarise the clock errors of every sensor, from `clock_errors`."""
     return {sensor: ClockQuality(_p95(error), _mean(error), len(error)) for sensor, (_, error) in errors.items()}
 
 
@@ -181,60 +190,104 @@ def robot_quality(
     config: SessionConfig,
     timetable: Timetable,
 ) -> RobotQuality:
-    """Judge the robot by its commands, its own events and its true pose at the end."""
-    gaps = robot_gaps(commands, events, timetable)
-    executed = int(np.isfinite([gap for _, gap in gaps]).sum())
-    distance, turned = float("nan"), float("nan")
+    """Compare the robot's commands with its events, and its true pose at the end with its slot.
+
+    Args:
+        commands: commands to the robot.
+        events: the robot's logged events.
+        odometry: columns of the odometry table; empty without a robot.
+        config: configuration of the session.
+        timetable: headings of the iterations.
+    """
+    delays = execution_delays(commands, events, timetable)
+    executed = int(np.isfinite([delay_s for _, delay_s in delays]).sum())
+
+    distance_m = float("nan")
+    heading_error_rad = float("nan")
     if odometry and len(odometry["t_s"]):
         slot = layout(config).robot
-        distance = float(np.hypot(odometry["true_x_m"][-1] - slot[0], odometry["true_y_m"][-1] - slot[1]))
+        distance_m = float(np.hypot(odometry["true_x_m"][-1] - slot[0], odometry["true_y_m"][-1] - slot[1]))
+        # After the last iteration's turn, the group faces the heading of an iteration more.
         wanted_rad = timetable.heading_rad(timetable.last + 1)
-        turned = float(np.remainder(odometry["true_heading_rad"][-1] - wanted_rad + np.pi, 2 * np.pi) - np.pi)
-    return RobotQuality(len(gaps), _share(executed, len(gaps)), distance, turned)
+        turned_rad = odometry["true_heading_rad"][-1] - wanted_rad
+        heading_error_rad = float(np.remainder(turned_rad + np.pi, 2 * np.pi) - np.pi)
+
+    return RobotQuality(len(delays), _share(executed, len(delays)), distance_m, heading_error_rad)
 
 
-def robot_gaps(
+def execution_delays(
     commands: Sequence[MoveCommand], events: Sequence[AgentEvent], timetable: Timetable
 ) -> list[tuple[Kind, float]]:
-    """Of every command its kind and how long after it the robot's event came [s]; NaN if not within `EXECUTED_S`."""
-    orders = list({command.number: command for command in reversed(commands)}.values())
+    """Kind and delay of the robot's event after each command [s]; NaN if it did not follow in `EXECUTION_WITHIN_S`.
+
+    A repeated command counts once, at its first transmission.
+
+    Args:
+        commands: commands to the robot.
+        events: the robot's logged events.
+        timetable: gives the steps that the commands are for.
+    """
+    first_sent = list({command.number: command for command in reversed(commands)}.values())
     steps = timetable.choreography.steps()
-    gaps: list[tuple[Kind, float]] = []
+
+    delays: list[tuple[Kind, float]] = []
     for kind in Kind:
-        wanted = np.array([order.t_start_s for order in orders if _robot_kind(steps[order.ordinal].kind) is kind])
-        times = np.array([event.t_s for event in events if event.kind is kind])
-        delay = np.full(len(wanted), np.nan)
-        rows, columns = matched(wanted + EXECUTED_S / 2, times, EXECUTED_S / 2)
-        delay[rows] = times[columns] - wanted[rows]
-        gaps += [(kind, gap) for gap in delay.tolist()]
-    return gaps
+        sent_s = np.array([item.t_start_s for item in first_sent if _robot_kind(steps[item.ordinal].kind) is kind])
+        event_s = np.array([event.t_s for event in events if event.kind is kind])
+
+        # Events up to the limit after the command match: half of it to either side of a time halfway.
+        rows, columns = match_times(sent_s + EXECUTION_WITHIN_S / 2, event_s, EXECUTION_WITHIN_S / 2)
+        delay_s = np.full(len(sent_s), np.nan)
+        delay_s[rows] = event_s[columns] - sent_s[rows]
+        delays += [(kind, value) for value in delay_s.tolist()]
+    return delays
 
 
 def body_quality(truth: Mapping[str, NDArray[np.generic]]) -> BodyQuality:
-    """Judge the dancers' bodies by tether, feet and falls."""
+    """Summarise the dancers' balance support, load and falls; NaN and no falls without ground truth.
+
+    Args:
+        truth: columns of the ground-truth table.
+    """
     if not truth or not len(truth["t_s"]):
         return BodyQuality(float("nan"), float("nan"), 0)
+
     columns = {name: np.asarray(column, dtype=np.float64) for name, column in truth.items()}
-    force = columns["tether_x_n"] ** 2 + columns["tether_y_n"] ** 2
-    shares, falls = [], 0
+    squared_force = columns["tether_x_n"] ** 2 + columns["tether_y_n"] ** 2
+
+    load_shares = []
+    falls = 0
     for index in np.unique(columns["dancer"]):
-        mine = columns["dancer"] == index
-        shares.append(columns["load_n"][mine].sum() / columns["weight_n"][mine].sum())
-        falls += int((np.diff(columns["fallen"][mine], prepend=0.0) > 0).sum())
-    return BodyQuality(float(np.sqrt(force.mean())), float(min(shares)), falls)
+        of_dancer = columns["dancer"] == index
+        load_shares.append(columns["load_n"][of_dancer].sum() / columns["weight_n"][of_dancer].sum())
+        falls += int((np.diff(columns["fallen"][of_dancer], prepend=0.0) > 0).sum())
+
+    return BodyQuality(float(np.sqrt(squared_force.mean())), float(min(load_shares)), falls)
+
+
+def _source(event: Event | DeviceEvent) -> tuple[str, str, bool]:
+    """Sensor, start/stop/clap/turn, and whether the event is early.
+
+    The direction is left out: for a sensor that sees dancers from behind, the server exchanges forward and backward.
+    """
+    return event.sensor, event.kind.value.partition("_")[0], event.early
 
 
 def _robot_kind(kind: Kind) -> Kind:
+    """The robot's kind for a step of the dancers: it turns where they clap."""
     return Kind.TURN if kind is Kind.CLAP else kind
 
 
 def _share(part: int, whole: int) -> float:
+    """A share; NaN of nothing."""
     return part / whole if whole else float("nan")
 
 
 def _mean(values: Array) -> float:
+    """Mean; NaN without values."""
     return float(values.mean()) if len(values) else float("nan")
 
 
 def _p95(values: Array) -> float:
+    """95th percentile of the absolute values; NaN without values."""
     return float(np.percentile(np.abs(values), 95)) if len(values) else float("nan")

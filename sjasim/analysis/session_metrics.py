@@ -1,4 +1,10 @@
-"""Every figure of a session, from its log alone, so that session.json can be recomputed from the tables beside it."""
+"""Measures of a session, computed from its log alone, so that they can be recomputed from the tables of a folder.
+
+To add a measure of the session: add a field to `Measures`, compute it in `measures`, and add it to
+`Measures.as_dict`, which session.json holds. To add one of each iteration: add a field to `IterationMeasures` and
+compute it in `_measure_iteration`. The group's synchrony and timing come from `group_metrics`, the quality of
+detectors, clocks, robot and bodies from `component_quality`.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..choreography.timetable import Timetable, timetable
+from ..choreography.timetable import timetable
 from ..config.toml_file import from_plain
-from ..core import ROBOT
+from ..core import ROBOT, Array
 from ..core.session_log import AgentEvent, Notice, SessionLog
 from .component_quality import (
     BodyQuality,
@@ -32,21 +38,31 @@ from .group_metrics import GroupSynchronyRow, group_metrics, net_latencies
 SCHEMA = 2
 """Version of session.json."""
 
+CONFIG_KEYS = ("method", "seed", "fidelity", "sensing", "humans")
+"""Keys of the configuration that session.json repeats at its top level."""
+
+INDEX_KEYS = ("gsi", "gsi_full_edges", "gsi_truth", "ta_mean_s", "ta_truth_mean_s")
+"""Fields of `Measures` that session.json holds as they are."""
+
+COST_KEYS = ("sim_s", "cpu_s", "wall_s")
+"""Keys of the log's cost that session.json holds."""
+
 
 @dataclass(frozen=True, slots=True)
 class IterationMeasures:
-    """One danced iteration.
+    """Measures of one danced iteration.
 
     Attributes:
-        index: from 1.
+        index: number of the iteration, from 1.
         gsi: group synchronisation index from logged times, under the paper's edges.
-        gsi_full_edges: the same under all edges.
-        gsi_truth: from true onsets, all edges; what detection delay hides is the difference to the one above.
+        gsi_full_edges: the index from logged times, under all edges.
+        gsi_truth: the index from true onsets, under all edges. Its difference from ``gsi_full_edges`` is the effect of
+            detection.
         msp: the most synchronous person.
         ta_mean_s: mean timing appropriateness [s]; NaN without a robot.
-        human_events: logged regular events of the dancers.
-        robot_events: the robot's events.
-        robot_missed: steps that the robot did not perform.
+        human_events: number of the dancers' logged regular events.
+        robot_events: number of the robot's events.
+        robot_missed: number of steps that the robot did not perform.
     """
 
     index: int
@@ -62,7 +78,13 @@ class IterationMeasures:
 
 @dataclass(frozen=True, slots=True)
 class Latency:
-    """Net latency of one event kind: robot's event minus the followed dancer's logged one."""
+    """Net latency of one event kind: time of the robot's event minus that of the followed dancer's logged one.
+
+    Attributes:
+        mean: mean [s].
+        sd: standard deviation [s].
+        n: number of events.
+    """
 
     mean: float
     sd: float
@@ -71,24 +93,24 @@ class Latency:
 
 @dataclass(frozen=True, slots=True)
 class Measures:
-    """All figures of a session; a figure that does not apply is NaN, and null in session.json.
+    """All measures of a session; one that does not apply is NaN here and null in session.json.
 
     Attributes:
-        config: the session's full configuration as plain data.
-        versions: versions of the packages it ran with.
+        config: full configuration of the session as plain data.
+        versions: package -> version.
         iterations: one entry per danced iteration.
-        gsi: mean over the iterations, paper's edges, logged times.
-        gsi_full_edges: the same, all edges.
-        gsi_truth: the same, true onsets.
-        ta_s: every timing appropriateness value, in order of iteration and step [s].
-        ta_mean_s: their mean.
-        ta_truth_mean_s: mean from true onsets of dancers and robot.
-        net_latency_s: by event kind, where the robot follows one dancer.
+        gsi: group synchronisation index, mean over iterations: logged times, the paper's edges.
+        gsi_full_edges: the same with logged times and all edges.
+        gsi_truth: the same with true onsets and all edges.
+        ta_s: every value of timing appropriateness, in order of iteration and step [s].
+        ta_mean_s: their mean [s].
+        ta_truth_mean_s: mean timing appropriateness from true onsets of dancers and robot [s].
+        net_latency_s: event kind -> net latency, over iterations in which the robot follows one dancer.
         detector: logged against true events.
-        clocks: clock error by sensor.
-        robot: commands executed, where it ended.
-        bodies: tether, feet, falls.
-        notices: what went wrong.
+        clocks: sensor -> clock error.
+        robot: executed commands, and pose at the end.
+        bodies: balance support, load and falls.
+        notices: failures that the session reported.
         cost: ``sim_s``, ``cpu_s``, ``wall_s``.
     """
 
@@ -111,52 +133,54 @@ class Measures:
 
     @property
     def robot_missed(self) -> int:
-        """Steps that the robot did not perform, over all iterations."""
-        return sum(row.robot_missed for row in self.iterations)
+        """Number of steps that the robot did not perform, over all iterations."""
+        return sum(iteration.robot_missed for iteration in self.iterations)
 
     def as_dict(self) -> dict[str, object]:
-        """What session.json holds: plain data, NaN as None."""
-        named = {key: self.config[key] for key in ("method", "seed", "fidelity", "sensing", "humans")}
-        own = ("gsi", "gsi_full_edges", "gsi_truth", "ta_mean_s", "ta_truth_mean_s")
-        body = dataclasses.asdict(self.bodies)
-        result: dict[str, object] = {
+        """Content of session.json: plain data, with None for NaN."""
+        content: dict[str, object] = {
             "schema": SCHEMA,
-            **named,
+            **{key: self.config[key] for key in CONFIG_KEYS},
             "config": self.config,
             "versions": dict(self.versions),
-            "iterations": [_iteration_dict(row) for row in self.iterations],
-            **{name: getattr(self, name) for name in own},
+            "iterations": [_iteration_dict(iteration) for iteration in self.iterations],
+            **{name: getattr(self, name) for name in INDEX_KEYS},
             "ta_s": list(self.ta_s),
             "net_latency_s": {kind: dataclasses.asdict(value) for kind, value in self.net_latency_s.items()},
             "detector": dataclasses.asdict(self.detector),
             "clocks": {sensor: dataclasses.asdict(value) for sensor, value in self.clocks.items()},
             "robot": {**dataclasses.asdict(self.robot), "missed": self.robot_missed},
-            **body,
+            **dataclasses.asdict(self.bodies),
             "notices": [dataclasses.asdict(notice) for notice in self.notices],
-            **{name: self.cost[name] for name in ("sim_s", "cpu_s", "wall_s") if name in self.cost},
+            **{name: self.cost[name] for name in COST_KEYS if name in self.cost},
         }
-        plain = _without_nan(result)
+
+        plain = _without_nan(content)
         assert isinstance(plain, dict)
         return plain
 
 
 def measures(log: SessionLog) -> Measures:
-    """Measure a session.
+    """Compute every measure of a session.
+
+    Args:
+        log: the session; a log of a session that was cut short is allowed.
 
     Raises:
-        ConfigError: the log's configuration is not one of this version.
+        ConfigError: the log's configuration is not valid in this version.
     """
     config = from_plain(log.config)
     table = timetable(config)
-    logged = [
-        AgentEvent(event.iteration, event.person, event.kind, event.t_s) for event in log.events if not event.early
-    ]
-    logged += log.robot_events
-    onsets = dancer_events(log.truth, log.cues, table)
+
+    # Logged events are what the server knew; true events come from the ground truth.
+    logged = logged_events(log)
+    true_onsets = dancer_events(log.truth, log.cues, table)
+    true = [*true_onsets, *robot_events(log.odometry, table)]
     rows = group_metrics(logged, config, table, log.followed)
-    true_rows = group_metrics([*onsets, *robot_events(log.odometry, table)], config, table, log.followed)
-    iterations = tuple(_iteration(row, true, logged, table) for row, true in zip(rows, true_rows, strict=True))
-    ta_s = _finite(rows)
+    true_rows = group_metrics(true, config, table, log.followed)
+    iterations = tuple(_measure_iteration(row, true_row, logged) for row, true_row in zip(rows, true_rows, strict=True))
+
+    ta_s = _finite_ta(rows)
     sent_s = sent_times(log.events, log.device_events, mean_delay_s(config.network))
     return Measures(
         config=log.config,
@@ -167,12 +191,9 @@ def measures(log: SessionLog) -> Measures:
         gsi_truth=_mean([row.gsi_truth for row in iterations]),
         ta_s=tuple(ta_s),
         ta_mean_s=_mean(ta_s),
-        ta_truth_mean_s=_mean(_finite(true_rows)),
-        net_latency_s={
-            kind: Latency(float(gaps.mean()), float(gaps.std()), len(gaps))
-            for kind, gaps in net_latencies(rows, table).items()
-        },
-        detector=detector_quality(log.events, onsets),
+        ta_truth_mean_s=_mean(_finite_ta(true_rows)),
+        net_latency_s={kind: _latency(values) for kind, values in net_latencies(rows, table).items()},
+        detector=detector_quality(log.events, true_onsets),
         clocks=clock_quality(clock_errors(log.events, sent_s)),
         robot=robot_quality(log.commands, log.robot_events, log.odometry, config, table),
         bodies=body_quality(log.truth),
@@ -181,41 +202,59 @@ def measures(log: SessionLog) -> Measures:
     )
 
 
-def _iteration(
-    row: GroupSynchronyRow, true: GroupSynchronyRow, logged: Sequence[AgentEvent], table: Timetable
+def logged_events(log: SessionLog) -> list[AgentEvent]:
+    """Regular events of the dancers as the server logged them, then the robot's events."""
+    dancers = [
+        AgentEvent(event.iteration, event.person, event.kind, event.t_s) for event in log.events if not event.early
+    ]
+    return [*dancers, *log.robot_events]
+
+
+def _measure_iteration(
+    row: GroupSynchronyRow, true_row: GroupSynchronyRow, logged: Sequence[AgentEvent]
 ) -> IterationMeasures:
-    own = [event.agent for event in logged if event.iteration == row.iteration]
-    robot = own.count(ROBOT)
+    """Measures of one iteration, from its logged and true events."""
+    agents = [event.agent for event in logged if event.iteration == row.iteration]
+    robot_count = agents.count(ROBOT)
     has_robot = len(row.ta_s) > 0
     return IterationMeasures(
         index=row.iteration,
         gsi=row.gsi,
         gsi_full_edges=row.gsi_full_edges,
-        gsi_truth=true.gsi_full_edges,
+        gsi_truth=true_row.gsi_full_edges,
         msp=row.msp,
-        ta_mean_s=_mean(_finite([row])),
-        human_events=len(own) - robot,
-        robot_events=robot,
+        ta_mean_s=_mean(_finite_ta([row])),
+        human_events=len(agents) - robot_count,
+        robot_events=robot_count,
         robot_missed=int(np.isnan(row.steps_s[-1]).sum()) if has_robot else 0,
     )
 
 
-def _iteration_dict(row: IterationMeasures) -> dict[str, object]:
-    plain = dataclasses.asdict(row)
+def _latency(values_s: Array) -> Latency:
+    """Mean, standard deviation and number of net latencies."""
+    return Latency(float(values_s.mean()), float(values_s.std()), len(values_s))
+
+
+def _iteration_dict(iteration: IterationMeasures) -> dict[str, object]:
+    """Entry of an iteration in session.json, which groups the numbers of events."""
+    plain = dataclasses.asdict(iteration)
     events = {"humans": plain.pop("human_events"), "robot": plain.pop("robot_events")}
     missed = plain.pop("robot_missed")
     return {**plain, "events": events, "robot_missed": missed}
 
 
-def _finite(rows: Sequence[GroupSynchronyRow]) -> list[float]:
+def _finite_ta(rows: Sequence[GroupSynchronyRow]) -> list[float]:
+    """Defined values of timing appropriateness, in order [s]."""
     return [float(value) for row in rows for value in row.ta_s if np.isfinite(value)]
 
 
 def _mean(values: Sequence[float]) -> float:
+    """Mean; NaN without values."""
     return float(np.mean(values)) if len(values) else float("nan")
 
 
 def _without_nan(value: object) -> object:
+    """The same plain data with None for numbers that JSON does not have."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, Mapping):

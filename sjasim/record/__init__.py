@@ -1,1 +1,1 @@
-"""Sessions on disk: tables, the summary, and recordings for viewers."""
+"""Session folders: Parquet tables, session.json, event and joint tables, and recordings for other tools."""

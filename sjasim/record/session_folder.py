@@ -1,4 +1,4 @@
-"""A session's folder: written beside its target and renamed when whole, read back as the same log."""
+"""Writes a session's folder (session.json, Parquet tables, session.rrd) and reads it back as the same log."""
 
 from __future__ import annotations
 
@@ -15,10 +15,13 @@ from .parquet import COLUMN_TABLES, ROW_TYPES, read_columns, read_rows, write_co
 from .rerun.explanation import DelayReport
 
 SCHEMAS = (1, 2)
-"""Versions of session.json that can be read. In version 1 the configuration has the former names of its fields."""
+"""Versions of session.json that can be read; `analysis.session_metrics.SCHEMA` is the one that is written.
 
-COST = ("sim_s", "cpu_s", "wall_s")
-"""What session.json keeps of a log's cost."""
+In version 1, the configuration has the former names of its fields.
+"""
+
+COST_KEYS = ("sim_s", "cpu_s", "wall_s")
+"""Keys of a log's cost that session.json keeps."""
 
 
 def write(
@@ -30,42 +33,54 @@ def write(
     report: DelayReport | None = None,
     overwrite: bool = False,
 ) -> Path:
-    """Write a session's folder; it appears whole or not at all.
+    """Write a session's folder; it appears complete or not at all.
 
     Args:
         log: the session.
-        folder: where to; see `whole.check_target`.
-        summary: what session.json holds: the measures, the configuration, the cost.
+        folder: the folder to write; see `atomic_folder.check_target`.
+        summary: content of session.json: measures, configuration, versions, cost.
         recording: whether session.rrd is written too.
-        report: what the recording shows beside the log.
-        overwrite: whether an earlier session may be replaced.
+        report: delays and graphs that the recording shows beside the log.
+        overwrite: whether an earlier session in the folder may be replaced.
 
     Returns:
-        the folder's full path.
+        The absolute path of the folder.
 
     Raises:
         RecordError: the folder cannot be written.
     """
     target = check_target(folder, overwrite)
+
     with atomic_folder(target, overwrite) as draft:
-        _write_all(log, draft, summary)
+        _write_tables(log, draft)
+
+        text = json.dumps(summary, indent=1, allow_nan=False)
+        (draft / "session.json").write_text(text + "\n", encoding="utf-8")
+
         if recording:
             from .rerun.recording import save
 
             save(log, draft / "session.rrd", report)
+
     return target
 
 
 def read(folder: str | Path) -> SessionLog:
-    """Read a session's folder back; the same log, but for the recorded joints, which are None.
+    """Read a session's log from its folder, without joints, skeletons and depth images, which no table holds.
+
+    `rerun.rrd_reader.read_with_joints` adds the joints and skeletons of the recording.
+
+    Args:
+        folder: a folder from `write`.
 
     Raises:
-        RecordError: the folder is not a session's, or not whole.
+        RecordError: the folder is not a session's, or a file in it is missing or damaged.
     """
-    place = Path(folder)
-    summary = read_summary(place)
-    rows = {table: read_rows(place / f"{table}.parquet", table) for table in ROW_TYPES}
-    columns = {table: read_columns(place / f"{table}.parquet", table) for table in COLUMN_TABLES}
+    path = Path(folder)
+    summary = read_summary(path)
+    rows = {table: read_rows(path / f"{table}.parquet", table) for table in ROW_TYPES}
+    columns = {table: read_columns(path / f"{table}.parquet", table) for table in COLUMN_TABLES}
+
     devices, extra = rows["device_events"]
     return SessionLog(
         config=summary["config"],
@@ -81,23 +96,28 @@ def read(folder: str | Path) -> SessionLog:
         followed=tuple(rows["followed"][0]),
         odometry=columns["odometry"],
         truth=columns["truth"],
-        cost={name: summary[name] for name in COST if name in summary},
+        cost={name: summary[name] for name in COST_KEYS if name in summary},
     )
 
 
 def read_summary(folder: str | Path) -> dict[str, Any]:
-    """A folder's session.json, with the present names of the configuration's fields.
+    """Read the session.json of a folder, with the present names of the configuration's fields.
+
+    Args:
+        folder: a session's folder.
 
     Raises:
-        RecordError: it is missing, damaged or of another version.
+        RecordError: the file is missing, damaged or of another version.
     """
     path = Path(folder) / "session.json"
+
     try:
         summary = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise RecordError(f"{folder} is not a session's folder: {path.name}: {error.strerror or error}") from None
     except ValueError as error:
         raise RecordError(f"{path} is damaged: {error}") from None
+
     if not isinstance(summary, dict) or summary.get("schema") not in SCHEMAS:
         raise RecordError(f"{path} is not a session.json of version {' or '.join(map(str, SCHEMAS))}")
     if not all(isinstance(summary.get(key), dict) for key in ("config", "versions")):
@@ -107,23 +127,25 @@ def read_summary(folder: str | Path) -> dict[str, Any]:
     return summary
 
 
-def _write_all(log: SessionLog, draft: Path, summary: Mapping[str, object]) -> None:
-    name = session_name(log)
+def session_name(log: SessionLog) -> str:
+    """Name of a session in the event tables' ``session`` column: its method and seed."""
+    return f"{log.config.get('method', 'unknown')}-{log.config.get('seed', 0)}"
+
+
+def _write_tables(log: SessionLog, draft: Path) -> None:
+    """Write every table of `parquet.ROW_TYPES` and `parquet.COLUMN_TABLES`."""
     rows = {table: getattr(log, table) for table in ROW_TYPES}
+    # The log pairs each device event with the time at which it was sent; the table has that time as a column.
     rows["device_events"] = [event for event, _ in log.device_events]
+
+    name = session_name(log)
     extra: dict[str, dict[str, list[object]]] = {
         "events": {"session": [name] * len(log.events)},
         "robot_events": {"session": [name] * len(log.robot_events)},
         "device_events": {"t_sent_s": [t_sent_s for _, t_sent_s in log.device_events]},
     }
+
     for table, values in rows.items():
         write_rows(draft / f"{table}.parquet", table, values, extra.get(table, {}))
     for table in COLUMN_TABLES:
         write_columns(draft / f"{table}.parquet", getattr(log, table))
-    text = json.dumps(summary, indent=1, allow_nan=False)
-    (draft / "session.json").write_text(text + "\n", encoding="utf-8")
-
-
-def session_name(log: SessionLog) -> str:
-    """What the event tables call the session: its method and seed."""
-    return f"{log.config.get('method', 'unknown')}-{log.config.get('seed', 0)}"

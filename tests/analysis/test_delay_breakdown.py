@@ -1,4 +1,4 @@
-"""Where the robot's delay comes from, by numbers that the synthetic session puts in."""
+"""Parts of the robot's delay, on a log whose delays are known."""
 
 import dataclasses
 
@@ -7,36 +7,45 @@ import pytest
 
 from sjasim.analysis.delay_breakdown import delay_report
 from sjasim.analysis.session_metrics import measures
-from sjasim.core import Kind
 from sjasim.core.session_log import Decision
-from sjasim.record.rerun.explanation import STAGES, StepDelay, as_markdown, classify_step, explain
+from sjasim.record.rerun.explanation import STAGES, as_markdown, explain
 
-from .synthetic import DETECTION_S, ROBOT_LAG_S, session
+from ..synthetic_log import DETECTION_S, ROBOT_LAG_S
 
-DECIDED_S = 0.03
-"""How much later than in the synthetic session commands are sent, so that the events have arrived."""
+DECISION_S = 0.03
+"""Added to the commands' times, so that the events that they answer have arrived [s]."""
 
 
-def led(late=(0.0, 0.0, 0.0)):
-    """A session whose robot follows the first dancer's regular events."""
-    log = session(iterations=2, late=late, spread_s=0.02)
-    orders = tuple(dataclasses.replace(o, t_start_s=o.t_start_s + DECIDED_S) for o in log.commands)
+def with_decisions(log):
+    """The log with a decision for every command, which follows the first dancer's regular event."""
+    commands = tuple(dataclasses.replace(item, t_start_s=item.t_start_s + DECISION_S) for item in log.commands)
     sent = tuple(
-        Decision(o.t_start_s, o.iteration, o.ordinal, event.kind, "sent", o.t_start_s, "dancer_1", "seen")
-        for o in orders
-        for event in [step_event(log, o)]
+        Decision(
+            command.t_start_s,
+            command.iteration,
+            command.ordinal,
+            answered_event(log, command).kind,
+            "sent",
+            command.t_start_s,
+            "dancer_1",
+            "seen",
+        )
+        for command in commands
     )
-    return dataclasses.replace(log, commands=orders, decisions=sent)
+    return dataclasses.replace(log, commands=commands, decisions=sent)
 
 
-def step_event(log, order):
-    mine = [e for e in log.events if e.person == "dancer_1" and not e.early and e.iteration == order.iteration]
-    return min(mine, key=lambda event: abs(event.t_s - order.t_start_s))
+def answered_event(log, command):
+    """The first dancer's event nearest to a command."""
+    events = [e for e in log.events if e.person == "dancer_1" and not e.early and e.iteration == command.iteration]
+    return min(events, key=lambda event: abs(event.t_s - command.t_start_s))
 
 
 @pytest.fixture(scope="module")
-def found():
-    return delay_report(led(late=(0.5, 0.0, 0.0)))
+def found(make_session_log):
+    """Report of a session whose first dancer, whom the robot follows, is half a second late."""
+    log = make_session_log(iterations=2, late_s=(0.5, 0.0, 0.0), spread_s=0.02)
+    return delay_report(with_decisions(log))
 
 
 def test_parts_add_up_to_the_delay(found):
@@ -46,40 +55,33 @@ def test_parts_add_up_to_the_delay(found):
         assert sum(step.parts_s) == pytest.approx(step.late_s)
 
 
-def test_each_part_is_what_the_session_was_made_with(found):
+def test_each_part_equals_the_delay_in_the_log(found):
     parts = np.array([step.parts_s for step in found.steps if np.isfinite(step.parts_s).all()])
     mean = dict(zip(STAGES, parts.mean(axis=0), strict=True))
     assert mean["sensor"] + mean["detector"] == pytest.approx(DETECTION_S, abs=0.02)
-    assert mean["wheels"] == pytest.approx(ROBOT_LAG_S - DECIDED_S, abs=0.02)
+    assert mean["wheels"] == pytest.approx(ROBOT_LAG_S - DECISION_S, abs=0.02)
     assert mean["dancer"] == pytest.approx(0.5 * 2 / 3, abs=0.05)
 
 
-def test_a_late_dancer_is_named(found):
+def test_a_late_dancer_explains_the_worst_step(found):
     worst = max(found.steps, key=lambda step: step.late_s)
     assert "dancer_1, whom it followed" in explain(worst)
     assert "| 2 |" in as_markdown(found)
 
 
-def test_timing_is_that_of_the_measures():
-    log = session(iterations=2)
+def test_timing_appropriateness_equals_the_measures(make_session_log):
+    log = make_session_log(iterations=2)
     assert [value for _, value in delay_report(log).ta] == list(measures(log).ta_s)
 
 
-def test_clock_errors_are_found_for_every_sensor():
-    errors = delay_report(session(iterations=2)).clocks
+def test_clock_errors_are_found_for_every_sensor(make_session_log):
+    errors = delay_report(make_session_log(iterations=2)).clocks
     assert set(errors) == {"east", "north", "west"}
     assert np.allclose(errors["north"][1], 0.0015)
 
 
-@pytest.mark.parametrize(("robot_s", "word"), [(1.1, "on time"), (1.6, "late"), (0.4, "early"), (np.nan, "missed")])
-def test_verdicts(robot_s, word):
-    step = StepDelay(1, 0, Kind.CLAP, 1.0, robot_s, "", (np.nan,) * 4 + (0.1, robot_s - 1.1), "because")
-    assert classify_step(step) == word
-    assert "because" in explain(step)
-
-
-def test_humans_only_has_graphs_and_no_steps():
-    alone = delay_report(session(method="none", robot=False, iterations=1))
+def test_humans_only_has_graphs_and_no_steps(make_session_log):
+    alone = delay_report(make_session_log(method="none", robot=False, iterations=1))
     assert alone.steps == ()
     assert len(alone.graphs) == 1
     assert "no robot" in as_markdown(alone)

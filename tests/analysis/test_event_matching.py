@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sjasim.analysis.event_matching import matched
+from sjasim.analysis.event_matching import match_times
 
 TIMES = st.lists(st.floats(0, 5), max_size=6)
 
@@ -23,16 +23,16 @@ def largest(a, b, within):
 @given(TIMES, TIMES)
 @settings(max_examples=80)
 def test_as_many_as_possible(a, b):
-    rows, columns = matched(np.array(a), np.array(b), 0.4)
+    rows, columns = match_times(np.array(a), np.array(b), 0.4)
     assert len(set(rows)) == len(set(columns)) == len(rows) == largest(a, b, 0.4)
     assert all(abs(a[i] - b[j]) <= 0.4 for i, j in zip(rows, columns, strict=True))
 
 
 def test_a_constant_shift_keeps_the_order():
     a = np.array([1.0, 1.001, 1.3])
-    rows, columns = matched(a + 0.05, a, 0.4)
+    rows, columns = match_times(a + 0.05, a, 0.4)
     assert rows.tolist() == columns.tolist() == [0, 1, 2]
 
 
 def test_nothing_matches_nothing():
-    assert len(matched(np.zeros(0), np.array([1.0]), 0.4)[0]) == 0
+    assert len(match_times(np.zeros(0), np.array([1.0]), 0.4)[0]) == 0

@@ -3,12 +3,16 @@
 import numpy as np
 import pytest
 
-from sjasim.analysis.ground_truth_events import dancer_events, detect_claps, detect_moves, robot_events, stretches
+from sjasim.analysis.ground_truth_events import (
+    dancer_events,
+    debounced_intervals,
+    detect_claps,
+    detect_moves,
+    robot_events,
+)
 from sjasim.choreography.timetable import timetable
 from sjasim.config.toml_file import from_plain
 from sjasim.core import Kind
-
-from .synthetic import session
 
 T = np.arange(0, 10, 1 / 60)
 
@@ -19,8 +23,8 @@ def walk(speed, heading=0.7):
     return detect_moves(T, way * np.cos(heading), way * np.sin(heading), np.full(len(T), heading))
 
 
-def test_true_events_are_the_planned_crossings():
-    log = session(iterations=2, joints=False)
+def test_true_events_are_the_planned_crossings(make_session_log):
+    log = make_session_log(iterations=2, joints=False)
     table = timetable(from_plain(log.config))
     found = dancer_events(log.truth, log.cues, table)
     assert len(found) == 3 * 3 * 9
@@ -43,8 +47,8 @@ def test_backward_moves_are_backward_and_an_open_one_has_no_stop():
 
 
 def test_a_side_that_lasts_past_the_end_is_judged_by_what_there_is():
-    assert stretches(T, np.where(T > 9.95, 1.0, -1.0)) == []
-    assert stretches(T[:2], np.array([1.0, 1.0])) == []
+    assert debounced_intervals(T, np.where(T > 9.95, 1.0, -1.0)) == []
+    assert debounced_intervals(T[:2], np.array([1.0, 1.0])) == []
 
 
 def test_one_clap_per_approach():
@@ -54,8 +58,8 @@ def test_one_clap_per_approach():
     assert detect_claps(T, np.full(len(T), 0.13)) == []
 
 
-def test_unseen_joints_make_events_invisible():
-    log = session(iterations=1, joints=False)
+def test_unseen_joints_make_events_invisible(make_session_log):
+    log = make_session_log(iterations=1, joints=False)
     truth = dict(log.truth)
     truth["spine_seen"] = np.full(len(truth["t_s"]), np.nan)
     found = dancer_events(truth, log.cues, timetable(from_plain(log.config)))
@@ -63,8 +67,8 @@ def test_unseen_joints_make_events_invisible():
     assert {event.visible for event in found if event.kind is not Kind.CLAP} == {False}
 
 
-def test_sway_inside_a_turn_is_no_move():
-    log = session(iterations=1, joints=False)
+def test_sway_inside_a_turn_is_no_move(make_session_log):
+    log = make_session_log(iterations=1, joints=False)
     table = timetable(from_plain(log.config))
     turn = next(cue for cue in log.cues if cue.move.value == "turn" and cue.iteration == 1 and cue.dancer == "dancer_1")
     truth = {name: column.copy() for name, column in log.truth.items()}
@@ -74,8 +78,8 @@ def test_sway_inside_a_turn_is_no_move():
     assert len(dancer_events(truth, (), table)) > len(dancer_events(log.truth, (), table))
 
 
-def test_the_robots_turn_and_moves():
-    log = session(iterations=2, joints=False)
+def test_the_robots_turn_and_moves(make_session_log):
+    log = make_session_log(iterations=2, joints=False)
     found = robot_events(log.odometry, timetable(from_plain(log.config)))
     assert [event.kind for event in found] == [event.kind for event in log.robot_events]
     gaps = [a.t_s - b.t_s for a, b in zip(found, log.robot_events, strict=True)]

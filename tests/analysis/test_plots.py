@@ -5,16 +5,14 @@ import pytest
 from sjasim.analysis.delay_breakdown import delay_report
 from sjasim.core.errors import RecordError
 
-from .synthetic import session
-
 pytest.importorskip("matplotlib")
 
 from sjasim.analysis import plots
 
 
 @pytest.fixture(scope="module")
-def log():
-    return session(iterations=2, joints=False)
+def log(make_session_log):
+    return make_session_log(iterations=2, joints=False)
 
 
 def test_every_figure_is_written_once(log, tmp_path):
@@ -27,8 +25,8 @@ def test_every_figure_is_written_once(log, tmp_path):
     plots.check_plots(tmp_path / "plots", overwrite=True)
 
 
-def test_humans_only_has_no_timing(tmp_path):
-    log = session(method="none", robot=False, iterations=1, joints=False)
+def test_humans_only_has_no_timing(make_session_log, tmp_path):
+    log = make_session_log(method="none", robot=False, iterations=1, joints=False)
     paths = plots.save_plots(log, delay_report(log), tmp_path)
     assert {path.name for path in paths} == {"raster.png", "graph.png"}
 

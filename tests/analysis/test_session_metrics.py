@@ -9,12 +9,12 @@ import pytest
 from sjasim.analysis.session_metrics import measures
 from sjasim.core import Kind
 
-from .synthetic import CLOCK_ERROR_S, DETECTION_S, ROBOT_LAG_S, session
+from ..synthetic_log import CLOCK_ERROR_S, DETECTION_S, ROBOT_LAG_S
 
 
 @pytest.fixture(scope="module")
-def log():
-    return session(method="sia", iterations=3, joints=False)
+def log(make_session_log):
+    return make_session_log(method="sia", iterations=3, joints=False)
 
 
 @pytest.fixture(scope="module")
@@ -44,24 +44,24 @@ def test_sia_follows_the_last_most_synchronous_person(result):
     assert means == pytest.approx([ROBOT_LAG_S - CLOCK_ERROR_S] * 5)
 
 
-def test_both_edge_rules_and_perfect_synchrony():
-    eca = measures(session(method="eca", spread_s=0.0, joints=False))
+def test_both_edge_rules_and_perfect_synchrony(make_session_log):
+    eca = measures(make_session_log(method="eca", spread_s=0.0, joints=False))
     assert eca.gsi == eca.gsi_full_edges == pytest.approx(1.0)
     assert eca.net_latency_s == {}
-    sia = measures(session(method="sia", spread_s=0.0, joints=False))
+    sia = measures(make_session_log(method="sia", spread_s=0.0, joints=False))
     assert [row.gsi for row in sia.iterations] == pytest.approx([9 / 12, 10 / 12])
     assert sia.gsi_full_edges == pytest.approx(1.0)
 
 
-def test_timing_appropriateness_is_the_robots_distance_from_the_dancers_mean():
-    result = measures(session(spread_s=0.0, joints=False))
+def test_timing_appropriateness_is_the_robots_distance_from_the_dancers_mean(make_session_log):
+    result = measures(make_session_log(spread_s=0.0, joints=False))
     assert result.ta_mean_s == pytest.approx(ROBOT_LAG_S - CLOCK_ERROR_S)
     assert len(result.ta_s) == 2 * 9
     assert result.ta_truth_mean_s == pytest.approx(ROBOT_LAG_S + DETECTION_S, abs=0.02)
 
 
-def test_humans_only():
-    result = measures(session(method="none", robot=False, joints=False))
+def test_humans_only(make_session_log):
+    result = measures(make_session_log(method="none", robot=False, joints=False))
     assert result.ta_s == ()
     assert np.isnan(result.ta_mean_s)
     assert result.robot_missed == 0
@@ -99,8 +99,8 @@ def test_falls_are_counted_once(log):
     assert measures(dataclasses.replace(log, truth={**log.truth, "fallen": fallen})).bodies.falls == 1
 
 
-def test_an_empty_log_is_measured_too():
-    bare = session(iterations=1, joints=False)
+def test_an_empty_log_is_measured_too(make_session_log):
+    bare = make_session_log(iterations=1, joints=False)
     empty = dataclasses.replace(
         bare, events=(), robot_events=(), commands=(), cues=(), device_events=(), truth={}, odometry={}
     )

@@ -28,14 +28,12 @@ from sjasim.core.method_io import MethodContext, ScheduleCommand
 from sjasim.record.parquet import write_rows
 from sjasim.simulation.cast import make_human_timing
 
-from ..analysis.synthetic import session
-
 ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture
-def context_and_log():
-    log = session(iterations=2, joints=False)
+def context_and_log(make_session_log):
+    log = make_session_log(iterations=2, joints=False)
     table = timetable(from_plain(log.config))
     numbers = range(3)
     context = MethodContext(

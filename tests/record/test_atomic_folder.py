@@ -1,4 +1,4 @@
-"""Folders appear whole or not at all, and impossible places are refused before any work is done."""
+"""Folders appear complete or not at all, and impossible targets are refused before any computation."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from sjasim.record import atomic_folder
 
 
 @pytest.mark.parametrize("place", ["file", "file/below", "/proc/nowhere/x"])
-def test_impossible_places_are_refused_before_anything_is_written(place, tmp_path):
+def test_impossible_targets_are_refused_before_anything_is_written(place, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(RecordError) as caught:
         atomic_folder.check_target(tmp_path / place)
@@ -15,12 +15,12 @@ def test_impossible_places_are_refused_before_anything_is_written(place, tmp_pat
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
-def test_checking_leaves_nothing(tmp_path):
+def test_the_check_leaves_nothing_on_disk(tmp_path):
     assert atomic_folder.check_target(tmp_path / "a" / "b") == tmp_path / "a" / "b"
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_appears_when_all_is_written(tmp_path):
+def test_a_folder_appears_once_everything_is_written(tmp_path):
     target = tmp_path / "a" / "b"
     with atomic_folder.atomic_folder(target) as draft:
         (draft / "x").write_text("1")
@@ -29,7 +29,7 @@ def test_a_folder_appears_when_all_is_written(tmp_path):
     assert [path.name for path in target.parent.iterdir()] == ["b"]
 
 
-def test_a_failure_leaves_what_was_there(tmp_path):
+def test_a_failure_keeps_the_earlier_folder(tmp_path):
     (tmp_path / "b").mkdir()
     (tmp_path / "b" / "x").write_text("old")
 
@@ -45,16 +45,16 @@ def test_a_failure_leaves_what_was_there(tmp_path):
 
 
 @pytest.mark.parametrize("before", [False, True])
-def test_of_two_runs_at_once_the_second_loses_nothing_of_the_first(tmp_path, before):
+def test_of_two_concurrent_runs_the_second_keeps_the_result_of_the_first(tmp_path, before):
     target = tmp_path / "b"
     if before:
         target.mkdir()
 
     def fill():
-        with atomic_folder.atomic_folder(atomic_folder.check_target(target)) as mine:
-            (mine / "x").write_text("second")
-            with atomic_folder.atomic_folder(atomic_folder.check_target(target)) as other:
-                (other / "x").write_text("first")
+        with atomic_folder.atomic_folder(atomic_folder.check_target(target)) as second:
+            (second / "x").write_text("second")
+            with atomic_folder.atomic_folder(atomic_folder.check_target(target)) as first:
+                (first / "x").write_text("first")
 
     with pytest.raises(RecordError, match=r"b has been filled by another run meanwhile: .*--overwrite"):
         fill()
@@ -62,20 +62,22 @@ def test_of_two_runs_at_once_the_second_loses_nothing_of_the_first(tmp_path, bef
     assert [path.name for path in tmp_path.iterdir()] == ["b"]
 
 
-def test_what_may_be_replaced_stands_until_the_new_one_does(tmp_path, monkeypatch):
+def test_the_earlier_folder_is_restored_if_the_draft_cannot_be_renamed(tmp_path, monkeypatch):
     target = tmp_path / "b"
     target.mkdir()
     (target / "x").write_text("old")
     with atomic_folder.atomic_folder(target, overwrite=True) as draft:
         (draft / "x").write_text("new")
     assert (target / "x").read_text() == "new"
-    real, moves = atomic_folder.os.replace, []
+    rename = atomic_folder.os.replace
+    calls = []
 
     def failing(source, place):
-        moves.append(place)
-        if len(moves) == 2:  # aside; the draft; back
+        calls.append(place)
+        # Call 1 moves the earlier folder away, call 2 the draft to the target, call 3 the earlier folder back.
+        if len(calls) == 2:
             raise OSError(5, "Input/output error")
-        real(source, place)
+        rename(source, place)
 
     monkeypatch.setattr(atomic_folder.os, "replace", failing)
     with pytest.raises(RecordError, match="Input/output error"), atomic_folder.atomic_folder(target, overwrite=True):
@@ -84,7 +86,7 @@ def test_what_may_be_replaced_stands_until_the_new_one_does(tmp_path, monkeypatc
     assert [path.name for path in tmp_path.iterdir()] == ["b"]
 
 
-def test_only_an_outcome_of_the_same_kind_is_replaced(tmp_path):
+def test_only_a_result_of_the_same_kind_is_replaced(tmp_path):
     (tmp_path / "x").write_text("")
     with pytest.raises(RecordError, match="not empty"):
         atomic_folder.check_target(tmp_path, holds="x")

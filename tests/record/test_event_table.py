@@ -1,4 +1,4 @@
-"""Event tables: every row read or named with its line and column."""
+"""Event tables: every row is read, or refused with its line and column."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def table(tmp_path: Path, text: str, head: str = HEAD) -> Path:
     return path
 
 
-def test_a_row_is_an_event(tmp_path):
+def test_each_row_gives_an_event(tmp_path):
     found = read_event_table(table(tmp_path, "s1,1,p1,clap,4.5\ns1, 1 ,p2, start_forward ,5\n"))
     assert [(e.session, e.iteration, e.agent, e.kind, e.t_s, e.line) for e in found] == [
         ("s1", 1, "p1", Kind.CLAP, 4.5, 2),
@@ -29,19 +29,19 @@ def test_a_row_is_an_event(tmp_path):
     ]
 
 
-def test_columns_may_stand_in_any_order_and_others_are_not_looked_at(tmp_path):
+def test_columns_may_be_in_any_order_and_others_are_ignored(tmp_path):
     head = "t_s,early,kind,mood,agent,session,iteration\n"
     found = read_event_table(table(tmp_path, "2.5,true,clap,good,p1,s,0\n3,false,clap,bad,p1,s,0\n", head))
     assert [(e.early, e.t_s) for e in found] == [(True, 2.5), (False, 3.0)]
 
 
-@pytest.mark.parametrize("between", [";", "\t"])
-def test_columns_may_be_parted_otherwise_and_times_have_commas(tmp_path, between):
-    rows = (HEAD + "s,0,p 1,clap,4.5\n").replace(",", between).replace(".", ",")
+@pytest.mark.parametrize("delimiter", [";", "\t"])
+def test_other_separators_allow_decimal_commas(tmp_path, delimiter):
+    rows = (HEAD + "s,0,p 1,clap,4.5\n").replace(",", delimiter).replace(".", ",")
     assert [(e.agent, e.t_s) for e in read_event_table(table(tmp_path, rows, ""))] == [("p 1", 4.5)]
 
 
-def test_a_sessions_cues_tell_of_starts_and_stops(tmp_path):
+def test_a_sessions_cues_give_starts_and_stops(tmp_path):
     cues = [
         Cue("dancer_1", Move.FORWARD, 1, 0, 0.0, 4.0, 2.0),
         Cue("dancer_1", Move.CLAP, 1, 8, 32.0, 8.0, 0.0),
@@ -60,7 +60,7 @@ def test_a_sessions_cues_tell_of_starts_and_stops(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("row", "says"),
+    ("row", "message"),
     [
         ("s,1,p1,jump,4", r"line 2, column 'kind': 'jump' is not one of start_forward"),
         ("s,1,p1,clap,soon", r"line 2, column 't_s': 'soon' is not a number of seconds"),
@@ -75,20 +75,20 @@ def test_a_sessions_cues_tell_of_starts_and_stops(tmp_path):
         ("", "holds no events"),
     ],
 )
-def test_a_wrong_row_is_named_by_file_line_and_column(tmp_path, row, says):
-    with pytest.raises(RecordError, match=says) as caught:
+def test_an_invalid_row_is_named_by_file_line_and_column(tmp_path, row, message):
+    with pytest.raises(RecordError, match=message) as caught:
         read_event_table(table(tmp_path, row))
     assert "events.csv" in str(caught.value)
 
 
-def test_early_events_may_come_in_any_order(tmp_path):
+def test_early_events_may_be_in_any_order(tmp_path):
     rows = "s,1,p1,clap,5,false\ns,1,p1,clap,4.5,true\n"
     assert len(read_event_table(table(tmp_path, rows, HEAD.strip() + ",early\n"))) == 2
     with pytest.raises(RecordError, match="column 'early': 'perhaps' is not true or false"):
         read_event_table(table(tmp_path, "s,1,p1,clap,5,perhaps\n", HEAD.strip() + ",early\n"))
 
 
-def test_what_is_no_table_is_refused(tmp_path):
+def test_files_that_are_no_event_table_are_refused(tmp_path):
     with pytest.raises(RecordError, match="lacks the column 'agent'"):
         read_event_table(table(tmp_path, "s,1,clap,4\n", "session,iteration,kind,t_s\n"))
     for name, text, says in (
@@ -102,5 +102,5 @@ def test_what_is_no_table_is_refused(tmp_path):
             read_event_table(tmp_path / name)
 
 
-def test_agents_are_sorted_as_people_count():
+def test_agents_are_sorted_in_natural_order():
     assert sorted(["p10", "p2", "robot", "p1"], key=natural_order) == ["p1", "p2", "p10", "robot"]

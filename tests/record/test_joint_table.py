@@ -1,4 +1,4 @@
-"""Tables of joints as laboratories write them: what is read, what is refused and in which words."""
+"""Tables of joints in the formats of laboratories: what is read, what is refused, and the error messages."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def read(tmp_path, text: str, encoding: str = "utf-8"):
         "State\tz_m\ty_m\tx_m\tjoint\tt_s\tperson\nTracked\t2.5\t0.2\t-0.1\t0\t0.5\t1\n",
     ],
 )
-def test_however_it_is_written(tmp_path, text):
+def test_all_formats_give_the_same_joints(tmp_path, text):
     found = read(tmp_path, text)
     assert found.t_s.tolist() == [0.5]
     assert found.persons.tolist() == [1]
@@ -41,20 +41,21 @@ def test_however_it_is_written(tmp_path, text):
 @pytest.mark.parametrize(
     ("word", "code"), [("tracked", 2), ("Inferred", 1), ("NotTracked", 0), ("not_tracked", 0), ("1", 1), ("2", 2)]
 )
-def test_states_are_words_or_numbers(tmp_path, word, code):
+def test_a_state_is_a_word_or_a_number(tmp_path, word, code):
     found = read(tmp_path, HEAD.strip() + f",state\n0,1,SpineBase,0,0,2,{word}\n")
     assert found.state[0, 0, 0] == code
 
 
-def test_people_are_numbers_or_names(tmp_path):
+def test_persons_are_numbers_or_names(tmp_path):
     rows = "0,{},SpineBase,0,0,2\n"
     names = read(tmp_path, HEAD + "".join(map(rows.format, ("P10", "P2", "ana")))).persons.tolist()
     assert names == ["P2", "P10", "ana"]
-    tracking = [72057594037927938, 72057594037927937]  # the Kinect's own identities are not whole as floats
+    # The Kinect's tracking ids are too large to be exact as floats.
+    tracking = [72057594037927938, 72057594037927937]
     assert read(tmp_path, HEAD + "".join(map(rows.format, tracking))).persons.tolist() == sorted(tracking)
 
 
-def test_parquet_columns_of_any_type(tmp_path):
+def test_parquet_columns_may_have_any_type(tmp_path):
     path = tmp_path / "joints.parquet"
     joints = pa.array(["SpineBase", "SpineMid"]).dictionary_encode()
     columns = {"t_s": [0.0, 0.0], "person": [1.0, 1.0], "joint": joints,
@@ -71,22 +72,22 @@ def test_parquet_columns_of_any_type(tmp_path):
     [
         ("t,person,SpineBase_x\n0,1,2\n", "no column t_s, joint, x_m, y_m, z_m; .*; it has t, person, spinebase_x"),
         ("", "it has nothing"),
-        (HEAD + "0,1.5,SpineBase,0,0,2\n", "line 2, person: '1.5', wanted a whole number or a name"),
+        (HEAD + "0,1.5,SpineBase,0,0,2\n", "line 2, person: '1.5', expected a whole number or a name"),
         (HEAD + "0,,SpineBase,0,0,2\n", "line 2, person: nothing"),
         (HEAD + "0,1,25,0,0,2\n", "line 2, joint: '25'"),
-        (HEAD + "0,1,0,0,0,2\n,1,0,0,0,2\n", "line 3, t_s: nothing, wanted a finite number"),
-        (HEAD + "0,1,0,0,0,2\n0,1,SpineBase,0,0,2\n", "line 3, joint: 'SpineBase', wanted each joint once"),
+        (HEAD + "0,1,0,0,0,2\n,1,0,0,0,2\n", "line 3, t_s: nothing, expected a finite number"),
+        (HEAD + "0,1,0,0,0,2\n0,1,SpineBase,0,0,2\n", "line 3, joint: 'SpineBase', expected each joint once"),
         (HEAD + "0,1,SpineBase,0,0\n", "cannot be read as a table: .*Expected 6 columns, got 5"),
-        ("t_s;person;joint;x_m;y_m;z_m\n0;1;0;1,000,5;0;2\n", "line 2, x_m: '1.000.5', wanted a number"),
+        ("t_s;person;joint;x_m;y_m;z_m\n0;1;0;1,000,5;0;2\n", "line 2, x_m: '1.000.5', expected a number"),
         (HEAD.strip() + ",state\n0,1,0,0,0,2,\n", "line 2, state: nothing"),
     ],
 )
-def test_what_is_refused_is_named(tmp_path, text, words):
+def test_an_invalid_table_gives_an_error_that_names_the_cell(tmp_path, text, words):
     with pytest.raises(RecordError, match=words):
         read(tmp_path, text)
 
 
-def test_files_that_are_no_text(tmp_path):
+def test_other_encodings_and_absent_files_are_refused(tmp_path):
     with pytest.raises(RecordError, match="its text is not UTF-8"):
         read(tmp_path, HEAD, "utf-16")
     with pytest.raises(RecordError, match="does not exist"):

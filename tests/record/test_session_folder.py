@@ -1,4 +1,4 @@
-"""A session's folder: whole or absent, and the same log when read back."""
+"""A session's folder is complete or absent, and reading it gives the same log."""
 
 import dataclasses
 import json
@@ -13,12 +13,10 @@ from sjasim.core.errors import RecordError
 from sjasim.record import atomic_folder, session_folder
 from sjasim.record.parquet import COLUMN_TABLES, ROW_TYPES
 
-from ..analysis.synthetic import session
-
 
 @pytest.fixture(scope="module")
-def log():
-    return session(iterations=1, joints=False)
+def log(make_session_log):
+    return make_session_log(iterations=1, joints=False)
 
 
 @pytest.fixture(scope="module")
@@ -27,8 +25,8 @@ def written(log, tmp_path_factory):
     return session_folder.write(log, target, measures(log).as_dict(), recording=False)
 
 
-def same(a, b):
-    """Whether two logs are equal, arrays and their types included."""
+def assert_equal(a, b):
+    """Compare two logs, arrays and their types included; joints are in no table."""
     for field in dataclasses.fields(a):
         x, y = getattr(a, field.name), getattr(b, field.name)
         if field.name in COLUMN_TABLES:
@@ -38,18 +36,17 @@ def same(a, b):
                 np.testing.assert_array_equal(x[name], y[name])
         elif field.name != "joints":
             assert x == y, field.name
-    return True
 
 
-def test_the_log_comes_back(log, written):
-    assert same(session_folder.read(written), log)
+def test_reading_gives_the_written_log(log, written):
+    assert_equal(session_folder.read(written), log)
 
 
-def test_the_figures_can_be_recomputed_from_the_tables(written):
+def test_measures_can_be_recomputed_from_the_tables(written):
     assert measures(session_folder.read(written)).as_dict() == json.loads((written / "session.json").read_text())
 
 
-def test_the_folder_holds_what_is_promised_and_nothing_else(written):
+def test_the_folder_holds_the_documented_files_and_no_other(written):
     tables = {f"{name}.parquet" for name in (*ROW_TYPES, *COLUMN_TABLES)}
     assert {path.name for path in written.iterdir()} == {*tables, "session.json"}
     assert [path.name for path in written.parent.iterdir()] == ["one"]
@@ -66,13 +63,11 @@ def test_event_tables_have_the_common_columns(written):
 
 def test_empty_tables_keep_their_columns(log, tmp_path):
     bare = dataclasses.replace(log, events=(), robot_events=(), commands=(), notices=(), odometry={})
-    assert same(
-        session_folder.read(session_folder.write(bare, tmp_path / "bare", measures(bare).as_dict(), recording=False)),
-        bare,
-    )
+    folder = session_folder.write(bare, tmp_path / "bare", measures(bare).as_dict(), recording=False)
+    assert_equal(session_folder.read(folder), bare)
 
 
-def test_an_empty_folder_is_taken_and_a_full_one_refused(log, tmp_path):
+def test_an_empty_folder_is_accepted_and_a_filled_one_is_refused(log, tmp_path):
     (tmp_path / "empty").mkdir()
     session_folder.write(log, tmp_path / "empty", measures(log).as_dict(), recording=False)
     with pytest.raises(RecordError, match="not empty"):
@@ -80,18 +75,18 @@ def test_an_empty_folder_is_taken_and_a_full_one_refused(log, tmp_path):
 
 
 @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
-def test_a_broken_writing_leaves_nothing(log, tmp_path, monkeypatch, error):
-    def full(path, columns):
+def test_a_failure_while_writing_leaves_nothing(log, tmp_path, monkeypatch, error):
+    def fail(path, columns):
         raise error
 
-    monkeypatch.setattr(session_folder, "write_columns", full)
+    monkeypatch.setattr(session_folder, "write_columns", fail)
     with pytest.raises((RecordError, KeyboardInterrupt)):
         session_folder.write(log, tmp_path / "one", {}, recording=False)
     assert list(tmp_path.iterdir()) == []
 
 
 def damaged(written, tmp_path, name, content):
-    """A copy of the folder with one file replaced, or without it."""
+    """A copy of a folder with one file replaced, or without it if ``content`` is None."""
     copy = tmp_path / "copy"
     copy.mkdir()
     for path in written.iterdir():
@@ -115,7 +110,7 @@ def damaged(written, tmp_path, name, content):
         ("events.parquet", lambda path: (path.parent / "cues.parquet").read_bytes(), "lacks the column"),
     ],
 )
-def test_foreign_and_truncated_folders_give_one_line(written, tmp_path, name, content, says):
+def test_foreign_and_damaged_folders_give_an_error_of_one_line(written, tmp_path, name, content, says):
     with pytest.raises(RecordError, match=says) as caught:
         session_folder.read(damaged(written, tmp_path, name, content))
     assert "\n" not in str(caught.value)
@@ -126,16 +121,16 @@ def test_an_unknown_kind_names_file_row_and_column(written, tmp_path):
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    def strange(path: Path) -> bytes:
+    def with_unknown_kind(path: Path) -> bytes:
         table = pq.read_table(path)
         kinds = table.column("kind").to_pylist()
         kinds[3] = "jump"
-        place = table.column_names.index("kind")
-        pq.write_table(table.set_column(place, "kind", pa.array(kinds)), tmp_path / "strange.parquet")
-        return (tmp_path / "strange.parquet").read_bytes()
+        changed = table.set_column(table.column_names.index("kind"), "kind", pa.array(kinds))
+        pq.write_table(changed, tmp_path / "changed.parquet")
+        return (tmp_path / "changed.parquet").read_bytes()
 
     with pytest.raises(RecordError, match=r"events.parquet, row 3, column 'kind': 'jump'"):
-        session_folder.read(damaged(written, tmp_path, "events.parquet", strange))
+        session_folder.read(damaged(written, tmp_path, "events.parquet", with_unknown_kind))
 
 
 def test_a_session_json_of_version_1_is_read_with_present_names(written, tmp_path, recwarn):

@@ -1,1 +1,1 @@
-"""How accurate skeletons and detected events are."""
+"""Accuracy of skeletons and of detected events, over many sessions."""

@@ -1,4 +1,4 @@
-"""The report card of detectors and robot over many sessions: what they miss, invent and delay, and where."""
+"""Accuracy of detectors and robot over many sessions: missed, false and delayed events, by kind, row and occlusion."""
 
 from __future__ import annotations
 
@@ -11,39 +11,45 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...choreography.timetable import Timetable, timetable
-from ...config import SessionConfig
 from ...config.toml_file import from_plain
 from ...core import Array, Kind
 from ...core.session_log import AgentEvent, SessionLog
-from ..component_quality import WITHIN_S, robot_gaps
-from ..event_matching import matched
-from ..ground_truth_events import SEEN_AROUND_S, dancer_events
+from ..component_quality import MATCH_WITHIN_S, execution_delays
+from ..event_matching import match_times
+from ..ground_truth_events import VISIBILITY_WINDOW_S, dancer_events
 
-EARLY_WITHIN_S = 0.8
-"""An early event and the true one that it foretells are no farther apart: early events come up to .5 s ahead."""
+EARLY_MATCH_WITHIN_S = 0.8
+"""Largest distance between an early event and the true one that it announces [s].
+
+It is wider than for regular events, since early events come up to 0.5 s ahead.
+"""
 
 BANDS = ("visible", "partly", "hidden")
-"""How much of the joints that an event needs the sensor that dancers face saw around it: all, some, none."""
+"""Occlusion bands: all, some or none of the joints that an event needs were visible around it.
+
+The joints are those that the sensor in front of the dancers could see.
+"""
 
 QUANTILES = tuple(float(share) for share in np.linspace(0.0, 1.0, 21))
-"""Shares at which the distributions of errors are given."""
+"""Shares at which distributions of errors are given."""
 
 ALL = "all"
+"""Value of a column over whose values a row sums."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of one event.
+    """A true event, logged or missed, or a false logged event.
 
     Attributes:
         sensing: ``joints`` or ``depth``.
-        kind: what happened.
-        early: whether it is told of in advance; then the error is how long before the true one.
+        kind: kind of the event.
+        early: whether the detectors were to announce it; the error of an early event is negative if it came ahead.
         row: ``front`` or ``back``: whether the dancer stands nearer to the sensor than the middle of the group.
         band: one of `BANDS`.
         true: whether it happened.
-        error_s: logged - true; NaN unless it happened and was logged.
-        logged: whether a method was told of it.
+        logged: whether it was logged.
+        error_s: logged minus true time [s]; NaN unless it happened and was logged.
     """
 
     sensing: str
@@ -58,94 +64,69 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Execution:
-    """What became of one command: its step's kind, and how long after sending the robot's event came (NaN: never)."""
+    """A command to the robot.
+
+    Attributes:
+        kind: the robot's event that the command asks for.
+        delay_s: time from sending to the event [s]; NaN if it did not follow.
+    """
 
     kind: Kind
     delay_s: float
 
 
 def event_outcomes(log: SessionLog) -> list[Outcome]:
-    """Every true and every logged event of the dancers in a session."""
+    """Outcomes of all true and all logged events of the dancers in a session."""
     config = from_plain(log.config)
     table = timetable(config)
-    true = dancer_events(log.truth, log.cues, table)
+    true_events = dancer_events(log.truth, log.cues, table)
+    agents = sorted({event.agent for event in true_events})
+
     found: list[Outcome] = []
-    for agent, early in itertools.product(sorted({event.agent for event in true}), (False, True)):
-        place = _Place(log.truth, table, agent)
+    for agent, early in itertools.product(agents, (False, True)):
+        visibility = _Visibility(log.truth, table, agent)
         for kind in Kind:
+            # Detectors report no turns, and claps are not announced.
             if kind is Kind.TURN or (early and kind is Kind.CLAP):
                 continue
-            happened = [event for event in true if (event.agent, event.kind) == (agent, kind)]
-            told = [one.t_s for one in log.events if (one.person, one.kind, one.early) == (agent, kind, early)]
-            found += _compared(config, kind, early, happened, told, place)
+            true = [event for event in true_events if (event.agent, event.kind) == (agent, kind)]
+            logged_s = [item.t_s for item in log.events if (item.person, item.kind, item.early) == (agent, kind, early)]
+            for place, is_true, is_logged, error_s in _compare(true, logged_s, kind, early, visibility):
+                found.append(Outcome(config.sensing, kind, early, *place, is_true, is_logged, error_s))
     return found
-
-
-def _compared(
-    config: SessionConfig, kind: Kind, early: bool, happened: Sequence[AgentEvent], told: Sequence[float],
-    place: _Place,
-) -> list[Outcome]:  # fmt: skip
-    """One dancer's events of one kind: matched one to one."""
-    times, really = np.array(told), np.array([event.t_s for event in happened])
-    rows, columns = matched(times, really, EARLY_WITHIN_S if early else WITHIN_S)
-    partner = dict(zip(columns.tolist(), rows.tolist(), strict=True))
-    found = []
-    for index, event in enumerate(happened):
-        error = times[partner[index]] - event.t_s if index in partner else float("nan")
-        row, band = place.at(event.t_s, kind)
-        found.append(Outcome(config.sensing, kind, early, row, band, True, index in partner, float(error)))
-    for index in sorted(set(range(len(told))) - set(rows.tolist())):
-        row, band = place.at(told[index], kind)
-        found.append(Outcome(config.sensing, kind, early, row, band, False, True))
-    return found
-
-
-class _Place:
-    """Where one dancer stood, and how well they were seen."""
-
-    def __init__(self, truth: Mapping[str, NDArray[np.generic]], table: Timetable, agent: str) -> None:
-        columns = {name: np.asarray(column, dtype=np.float64) for name, column in truth.items()}
-        mine = columns["dancer"] == int(agent.rpartition("_")[2]) - 1
-        self._mine = {name: column[mine] for name, column in columns.items()}
-        self._all, self._table = columns, table
-
-    def at(self, t_s: float, kind: Kind) -> tuple[str, str]:
-        """Row and occlusion band at a time."""
-        times = self._mine["t_s"]
-        here = min(int(np.searchsorted(times, t_s)), len(times) - 1)
-        everybody = self._all["t_s"] == times[here]
-        heading = self._table.heading_rad(self._table.iteration_at(t_s))
-        ahead = np.array([np.cos(heading), np.sin(heading)])
-        middle = np.array([self._all["x_m"][everybody].mean(), self._all["y_m"][everybody].mean()])
-        place = np.array([self._mine["x_m"][here], self._mine["y_m"][here]])
-        near = (times >= t_s - SEEN_AROUND_S) & (times <= t_s + SEEN_AROUND_S)
-        share = np.nan_to_num(self._mine["hands_seen" if kind is Kind.CLAP else "spine_seen"][near])
-        band = BANDS[0] if share.size and share.min() >= 1.0 else BANDS[1] if share.any() else BANDS[2]
-        return "front" if float((place - middle) @ ahead) >= 0.0 else "back", band
 
 
 def command_executions(log: SessionLog) -> list[Execution]:
-    """Every command of a session, with the delay of the robot's event."""
-    config = from_plain(log.config)
-    return [Execution(kind, gap) for kind, gap in robot_gaps(log.commands, log.robot_events, timetable(config))]
+    """All commands of a session, each with the delay of the robot's event."""
+    table = timetable(from_plain(log.config))
+    return [Execution(kind, delay_s) for kind, delay_s in execution_delays(log.commands, log.robot_events, table)]
 
 
-def detector_rows(found: Iterable[Outcome]) -> list[dict[str, Any]]:
-    """Figures of every sensing route, kind, early or regular, row and occlusion band; ``all`` sums over one."""
-    found = list(found)
+def detector_rows(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
+    """Table of `detection_figures` by sensing route, kind, early or regular, row and occlusion band.
+
+    Rows with `ALL` in a column sum over it.
+    """
     groups: dict[tuple[str, str, bool, str, str], list[Outcome]] = {}
-    for one in found:
-        kinds, rows, bands = (one.kind.value, ALL), (one.row, ALL), (one.band, ALL)
+    for outcome in outcomes:
+        kinds = (outcome.kind.value, ALL)
+        rows = (outcome.row, ALL)
+        bands = (outcome.band, ALL)
         for kind, row, band in itertools.product(kinds, rows, bands):
-            groups.setdefault((one.sensing, kind, one.early, row, band), []).append(one)
+            groups.setdefault((outcome.sensing, kind, outcome.early, row, band), []).append(outcome)
+
     names = ("sensing", "kind", "early", "row", "occlusion")
-    return [dict(zip(names, key, strict=True)) | figures(groups[key]) for key in sorted(groups)]
+    return [dict(zip(names, key, strict=True)) | detection_figures(groups[key]) for key in sorted(groups)]
 
 
-def figures(found: Sequence[Outcome]) -> dict[str, Any]:
-    """Recall, precision, and the errors' bias, s.d. and p95 [s] of some outcomes; null where there is nothing."""
-    true, logged = sum(one.true for one in found), sum(one.logged for one in found)
-    error = _errors(found)
+def detection_figures(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    """Number, recall, precision, and bias, standard deviation and 95th percentile of the errors [s] of some outcomes.
+
+    A figure without any event to compute it from is None.
+    """
+    true = sum(outcome.true for outcome in outcomes)
+    logged = sum(outcome.logged for outcome in outcomes)
+    error = _errors(outcomes)
     return {
         "n": true,
         "logged": logged,
@@ -157,54 +138,123 @@ def figures(found: Sequence[Outcome]) -> dict[str, Any]:
     }
 
 
-def distributions(found: Iterable[Outcome], minutes: Mapping[str, float]) -> list[dict[str, Any]]:
-    """What a world without sensors draws from: per route, kind, early or regular, and occlusion band.
+def distributions(outcomes: Iterable[Outcome], minutes: Mapping[str, float]) -> list[dict[str, Any]]:
+    """Distributions from which a simulation without sensors draws, by route, kind, early or regular, and occlusion.
 
     Args:
-        found: outcomes of many sessions.
-        minutes: sensing route -> dancer minutes watched.
+        outcomes: outcomes of many sessions.
+        minutes: sensing route -> observed time, summed over dancers [min].
 
     Returns:
-        rows with ``miss``, the probability that an event is not logged; ``error_s``, the errors at `QUANTILES`; and
-        ``false_per_minute``, of invented events.
+        Rows with ``miss``, the probability that an event is not logged; ``error_s``, the errors at `QUANTILES` [s]; and
+        ``false_per_minute``, the rate of false events per dancer.
     """
     groups: dict[tuple[str, str, bool, str], list[Outcome]] = {}
-    for one in found:
-        for band in (one.band, ALL):
-            groups.setdefault((one.sensing, one.kind.value, one.early, band), []).append(one)
+    for outcome in outcomes:
+        for band in (outcome.band, ALL):
+            groups.setdefault((outcome.sensing, outcome.kind.value, outcome.early, band), []).append(outcome)
+
     rows = []
     for key in sorted(groups):
-        members, error = groups[key], _errors(groups[key])
-        true = sum(one.true for one in members)
+        sensing = key[0]
+        members = groups[key]
+        error = _errors(members)
+        true = sum(outcome.true for outcome in members)
         rows.append({
             **dict(zip(("sensing", "kind", "early", "occlusion"), key, strict=True)),
             "n": true,
             "miss": 1.0 - len(error) / true if true else None,
             "error_s": np.quantile(error, QUANTILES).tolist() if len(error) else None,
-            "false_per_minute": sum(not one.true for one in members) / minutes[key[0]],
+            "false_per_minute": sum(not outcome.true for outcome in members) / minutes[sensing],
         })  # fmt: skip
     return rows
 
 
-def robot_rows(found: Iterable[Execution]) -> list[dict[str, Any]]:
-    """Delay and jitter (mean and s.d. of command to event) and the share not executed, by kind and over all."""
-    found = list(found)
+def robot_rows(executions: Iterable[Execution]) -> list[dict[str, Any]]:
+    """Table of the robot's delays by kind, and over all kinds; kinds without commands are left out.
+
+    Delay and jitter are mean and standard deviation of the time from command to event [s].
+    """
+    executions = list(executions)
     rows = []
     for kind in (*Kind, None):
-        delays = np.array([one.delay_s for one in found if kind is None or one.kind is kind])
-        if len(delays):
-            done = delays[np.isfinite(delays)]
-            rows.append({
-                "kind": ALL if kind is None else kind.value,
-                "n": len(delays),
-                "delay_s": float(done.mean()) if len(done) else None,
-                "jitter_s": float(done.std()) if len(done) else None,
-                "not_executed": 1.0 - len(done) / len(delays),
-                "delay_quantiles_s": np.quantile(done, QUANTILES).tolist() if len(done) else None,
-            })  # fmt: skip
+        delays = np.array([item.delay_s for item in executions if kind is None or item.kind is kind])
+        if not len(delays):
+            continue
+
+        executed = delays[np.isfinite(delays)]
+        rows.append({
+            "kind": ALL if kind is None else kind.value,
+            "n": len(delays),
+            "delay_s": float(executed.mean()) if len(executed) else None,
+            "jitter_s": float(executed.std()) if len(executed) else None,
+            "not_executed": 1.0 - len(executed) / len(delays),
+            "delay_quantiles_s": np.quantile(executed, QUANTILES).tolist() if len(executed) else None,
+        })  # fmt: skip
     return rows
 
 
-def _errors(found: Iterable[Outcome]) -> Array:
-    error = np.array([one.error_s for one in found], dtype=np.float64)
+class _Visibility:
+    """Row and occlusion band of one dancer over time.
+
+    Args:
+        truth: columns of the ground-truth table.
+        table: gives the heading of each iteration.
+        agent: the dancer.
+    """
+
+    def __init__(self, truth: Mapping[str, NDArray[np.generic]], table: Timetable, agent: str) -> None:
+        columns = {name: np.asarray(column, dtype=np.float64) for name, column in truth.items()}
+        of_dancer = columns["dancer"] == int(agent.rpartition("_")[2]) - 1
+        self._own = {name: column[of_dancer] for name, column in columns.items()}
+        self._all = columns
+        self._table = table
+
+    def at(self, t_s: float, kind: Kind) -> tuple[str, str]:
+        """Row and band at a session time; a clap needs the hands, other kinds the trunk."""
+        return self._row(t_s), self._band(t_s, kind)
+
+    def _row(self, t_s: float) -> str:
+        times = self._own["t_s"]
+        nearest = min(int(np.searchsorted(times, t_s)), len(times) - 1)
+        at_time = self._all["t_s"] == times[nearest]
+
+        heading = self._table.heading_rad(self._table.iteration_at(t_s))
+        forward = np.array([np.cos(heading), np.sin(heading)])
+        centre = np.array([self._all["x_m"][at_time].mean(), self._all["y_m"][at_time].mean()])
+        position = np.array([self._own["x_m"][nearest], self._own["y_m"][nearest]])
+        return "front" if float((position - centre) @ forward) >= 0.0 else "back"
+
+    def _band(self, t_s: float, kind: Kind) -> str:
+        times = self._own["t_s"]
+        near = (times >= t_s - VISIBILITY_WINDOW_S) & (times <= t_s + VISIBILITY_WINDOW_S)
+        share = np.nan_to_num(self._own["hands_seen" if kind is Kind.CLAP else "spine_seen"][near])
+        if share.size and share.min() >= 1.0:
+            return BANDS[0]
+        return BANDS[1] if share.any() else BANDS[2]
+
+
+def _compare(
+    true: Sequence[AgentEvent], logged_s: Sequence[float], kind: Kind, early: bool, visibility: _Visibility
+) -> list[tuple[tuple[str, str], bool, bool, float]]:
+    """Match one dancer's true and logged events of one kind: (row and band, true, logged, error [s]) of each."""
+    times = np.array(logged_s)
+    within_s = EARLY_MATCH_WITHIN_S if early else MATCH_WITHIN_S
+    rows, columns = match_times(times, np.array([event.t_s for event in true]), within_s)
+    logged_row = dict(zip(columns.tolist(), rows.tolist(), strict=True))
+
+    found = []
+    for index, event in enumerate(true):
+        is_logged = index in logged_row
+        error_s = float(times[logged_row[index]] - event.t_s) if is_logged else float("nan")
+        found.append((visibility.at(event.t_s, kind), True, is_logged, error_s))
+
+    for index in sorted(set(range(len(logged_s))) - set(rows.tolist())):
+        found.append((visibility.at(logged_s[index], kind), False, True, float("nan")))
+    return found
+
+
+def _errors(outcomes: Iterable[Outcome]) -> Array:
+    """(N,) errors of the events that happened and were logged [s]."""
+    error = np.array([outcome.error_s for outcome in outcomes], dtype=np.float64)
     return error[np.isfinite(error)]

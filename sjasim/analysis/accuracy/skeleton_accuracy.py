@@ -1,9 +1,9 @@
-"""How far skeletons lie from the truth over whole sessions: what is tracked, where it is, how its errors move."""
+"""Accuracy of estimated skeletons over many sessions: tracking shares, position errors, and their course in time."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,36 +17,42 @@ from ...core import INFERRED, TRACKED, Array, BoolArray, IntArray
 from ...core.session_log import SessionLog
 from .detection_accuracy import ALL, BANDS
 
-ASTRAY_M = 0.15
-"""A tracked joint farther than this from the truth is no error of measurement: it is somewhere else."""
+OUTLIER_M = 0.15
+"""Distance from the truth beyond which a tracked joint is on something else, not measured imprecisely [m]."""
 
 LEAST_FRAMES = 60
-"""Errors of a joint in fewer frames before one sensor do not tell its constant error from its slow one."""
+"""Fewest frames of a joint before one sensor from which its constant error is told from its slow one."""
 
-OUTLIER = 4.0
-"""Steps between frames of more than so many robust s.d. are left out: who jumps does not drift."""
+OUTLIER_STEP = 4.0
+"""Changes of the error between frames beyond this many robust standard deviations are jumps, not drift."""
+
+MAD_TO_SD = 1.4826
+"""Standard deviation of a normal distribution over its median absolute deviation."""
 
 ROWS = ("front", "back")
 
-_STARTS = {"head": ("Head", "Neck"), "arms": ("Elbow", "Wrist", "Hand", "Thumb"), "legs": ("Knee", "Ankle", "Foot")}
+_NAME_PREFIXES = {
+    "head": ("Head", "Neck"), "arms": ("Elbow", "Wrist", "Hand", "Thumb"), "legs": ("Knee", "Ankle", "Foot"),
+}  # fmt: skip
+
 GROUPS: dict[str, BoolArray] = {
-    name: np.array([joint.startswith(starts) for joint in JOINTS]) for name, starts in _STARTS.items()
+    name: np.array([joint.startswith(prefixes) for joint in JOINTS]) for name, prefixes in _NAME_PREFIXES.items()
 }
 GROUPS["trunk"] = ~np.any(list(GROUPS.values()), axis=0)
-"""(25,) which joints each group has; shoulders and hips are the trunk's."""
+"""Group -> (25,) whether each joint belongs to it; shoulders and hips belong to the trunk."""
 
 
 @dataclass(frozen=True, slots=True)
 class JointObservation:
-    """One dancer before one sensor, for as long as it was the active one: N frames.
+    """One dancer before one sensor, in the N frames in which that sensor was active.
 
     Attributes:
         sensing: ``joints`` or ``depth``.
-        error_m: (N, 25, 3) seen minus true; NaN where a joint is not known.
-        state: (N, 25) how it is known.
-        row: (N,) places in `ROWS`.
-        trunk: (N,) places in `BANDS` by what could be seen of the trunk in the frame; of everything but arms.
-        hands: (N,) the same by the hands; of arms.
+        error_m: (N, 25, 3) estimated minus true position [m]; NaN where a joint is not known.
+        state: (N, 25) tracking state.
+        row: (N,) index into `ROWS`.
+        trunk: (N,) index into `BANDS` by the visibility of the trunk; it applies to all joints but the arms.
+        hands: (N,) index into `BANDS` by the visibility of the hands; it applies to the arms.
     """
 
     sensing: str
@@ -57,115 +63,183 @@ class JointObservation:
     hands: IntArray
 
 
-def joint_observations(log: SessionLog) -> list[JointObservation]:
-    """Everybody before every sensor that was active in a session; frames that it did not take are left out.
+@dataclass(frozen=True, slots=True)
+class _Cell:
+    """Values of one cell of the table, gathered over joints and observations.
 
-    Args:
-        log: of a session that was danced in this process: a folder does not keep the joints.
+    Attributes:
+        state: tracking state of each joint in each frame.
+        distance_m: distance of tracked joints from the truth [m].
+        inferred_m: errors of inferred joints, per axis [m].
+        mean_m: mean error of each joint before each sensor, per axis [m].
+        deviation_m: deviations from it, per axis and frame [m].
+        step_m: changes of the error from frame to frame, per axis [m].
+    """
+
+    state: Array
+    distance_m: Array
+    inferred_m: Array
+    mean_m: Array
+    deviation_m: Array
+    step_m: Array
+
+
+def joint_observations(log: SessionLog) -> list[JointObservation]:
+    """Observations of every dancer before every sensor that was active in a session.
+
+    Frames without a skeleton are left out. A log without joints or skeletons, as `record.session_folder.read` gives it,
+    has no observations.
     """
     if log.joints is None or log.skeletons is None:
         return []
+
     config = from_plain(log.config)
+    table = timetable(config)
+    truth = {name: np.asarray(column, np.float64) for name, column in log.truth.items()}
     t_s = np.arange(len(log.joints)) / config.sensors.rate_hz
-    taken = np.isfinite(log.skeletons[..., 3]).any(axis=(1, 2))
-    since = np.searchsorted([handover.t_s for handover in log.handovers], t_s, side="right")
-    truth, table = {name: np.asarray(column, np.float64) for name, column in log.truth.items()}, timetable(config)
+    processed = np.isfinite(log.skeletons[..., 3]).any(axis=(1, 2))
+    # Number of handovers so far, which changes whenever another sensor becomes active.
+    period = np.searchsorted([handover.t_s for handover in log.handovers], t_s, side="right")
+
     found = []
     for dancer in range(log.joints.shape[1]):
-        row, trunk, hands = _places(truth, table, dancer, t_s)
-        for sensor in np.unique(since[taken]):
-            here = np.flatnonzero(taken & (since == sensor))
-            seen, true = log.skeletons[here, dancer], log.joints[here, dancer]
-            state = np.nan_to_num(seen[..., 3]).astype(np.int64)
-            found.append(
-                JointObservation(config.sensing, seen[..., :3] - true, state, row[here], trunk[here], hands[here])
+        row, trunk, hands = _rows_and_bands(truth, table, dancer, t_s)
+        for number in np.unique(period[processed]):
+            frames = np.flatnonzero(processed & (period == number))
+            estimated = log.skeletons[frames, dancer]
+            observation = JointObservation(
+                sensing=config.sensing,
+                error_m=estimated[..., :3] - log.joints[frames, dancer],
+                state=np.nan_to_num(estimated[..., 3]).astype(np.int64),
+                row=row[frames],
+                trunk=trunk[frames],
+                hands=hands[frames],
             )
+            found.append(observation)
     return found
 
 
-def _places(truth: dict[str, Array], table: Timetable, dancer: int, t_s: Array) -> tuple[IntArray, IntArray, IntArray]:
-    """Row and bands of one dancer at every frame."""
-    mine = truth["dancer"] == dancer
-    ticks = truth["t_s"][mine]
-    at = np.minimum(np.searchsorted(ticks, t_s), len(ticks) - 1)
-    heading = np.array([table.heading_rad(table.iteration_at(time)) for time in t_s.tolist()])
-    ahead = np.zeros(len(t_s))
-    for name, along in (("x_m", np.cos(heading)), ("y_m", np.sin(heading))):
-        middle = truth[name].reshape(len(ticks), -1).mean(axis=1)
-        ahead += along * (truth[name][mine] - middle)[at]
-    return (ahead < 0.0).astype(np.int64), _band(truth["spine_seen"][mine][at]), _band(truth["hands_seen"][mine][at])
+def joint_rows(observations: Iterable[JointObservation]) -> list[dict[str, Any]]:
+    """Table of `joint_figures` by sensing route, group of joints, row and occlusion band.
 
-
-def _band(share: Array) -> IntArray:
-    """Places in `BANDS` of shares that are seen; what nobody watches is hidden."""
-    return np.where(share >= 1.0, 0, np.where(share > 0.0, 1, 2)).astype(np.int64)
-
-
-def joint_rows(found: Iterable[JointObservation]) -> list[dict[str, Any]]:
-    """Figures of every sensing route, group of joints, row and occlusion band; ``all`` sums over one."""
+    Rows with `ALL` in a column sum over it.
+    """
     routes: dict[str, list[JointObservation]] = {}
-    for one in found:
-        routes.setdefault(one.sensing, []).append(one)
+    for observation in observations:
+        routes.setdefault(observation.sensing, []).append(observation)
+
     cells = itertools.product(sorted(routes), (ALL, *sorted(GROUPS)), (ALL, *ROWS), (ALL, *BANDS))
     names = ("sensing", "joints", "row", "occlusion")
-    return [dict(zip(names, cell, strict=True)) | figures(routes[cell[0]], *cell[1:]) for cell in cells]
+    return [dict(zip(names, cell, strict=True)) | joint_figures(routes[cell[0]], *cell[1:]) for cell in cells]
 
 
-def figures(found: Sequence[JointObservation], group: str = ALL, row: str = ALL, band: str = ALL) -> dict[str, Any]:
-    """Of one route's joint_observations, of one cell of the card; null where it has nothing to go by.
+def joint_figures(
+    observations: Sequence[JointObservation], group: str = ALL, row: str = ALL, band: str = ALL
+) -> dict[str, Any]:
+    """Accuracy of some joints in some frames.
+
+    Args:
+        observations: of one sensing route.
+        group: key of `GROUPS`, or `ALL`.
+        row: one of `ROWS`, or `ALL`.
+        band: one of `BANDS`, or `ALL`.
 
     Returns:
-        ``n`` joints in frames; shares ``tracked`` and ``inferred`` of them; of the tracked ones ``median_m``, ``p95_m``
-        of their distance to the truth and ``astray``, the share farther than `ASTRAY_M`; ``bias_m``, r.m.s. per axis
-        of each joint's mean error; ``drift_m``, r.m.s. about it; ``correlation`` of that from frame to frame; and
-        ``inferred_m``, r.m.s. error per axis of inferred joints.
+        ``n``, the number of joints in frames, and the shares of them that are ``tracked`` and ``inferred``. Of tracked
+        joints: ``median_m`` and ``p95_m`` of the distance to the truth; ``astray``, the share farther than
+        `OUTLIER_M`; ``bias_m``, root mean square per axis of each joint's mean error; ``drift_m``, root mean square
+        deviation from it; ``correlation`` of that deviation from frame to frame. ``inferred_m``: root mean square
+        error per axis of inferred joints. A figure without data is None.
     """
-    joints = np.flatnonzero(GROUPS[group]) if group != ALL else np.arange(len(JOINTS))
-    parts: list[list[Array]] = [[np.zeros(0)] for _ in range(6)]
-    states, far, guessed, means, drifts, steps = parts
-    for one, joint in itertools.product(found, joints.tolist()):
-        kept = _kept(one, joint, row, band)
-        state, error = one.state[kept, joint], one.error_m[kept, joint].astype(np.float64)
-        tracked = error[state == TRACKED]
-        states.append(state.astype(np.float64))
-        far.append(np.sqrt((tracked**2).sum(axis=1)))
-        guessed.append(error[state == INFERRED].ravel())
-        if len(tracked) >= LEAST_FRAMES:
-            means.append(tracked.mean(axis=0))
-            drifts.append((tracked - means[-1]).ravel())
-            steps.append(np.diff(tracked, axis=0).ravel())
-    return _summed(*(np.concatenate(part) for part in parts))
-
-
-def _kept(one: JointObservation, joint: int, row: str, band: str) -> BoolArray:
-    """(N,) the frames of a cell."""
-    bands = one.hands if GROUPS["arms"][joint] else one.trunk
-    kept = np.ones(len(one.state), dtype=bool)
-    if row != ALL:
-        kept &= one.row == ROWS.index(row)
-    if band != ALL:
-        kept &= bands == BANDS.index(band)
-    return kept
-
-
-def _summed(state: Array, far: Array, guessed: Array, means: Array, drifts: Array, steps: Array) -> dict[str, Any]:
-    drift, usual = _rms(drifts), np.zeros(0)
-    if len(steps):
-        usual = steps[np.abs(steps) <= OUTLIER * 1.4826 * np.median(np.abs(steps))]
-    step = _rms(usual)
+    cell = _gather(observations, group, row, band)
+    state = cell.state
+    distance_m = cell.distance_m
+    drift_m = _rms(cell.deviation_m)
     return {
         "n": len(state),
         "tracked": float((state == TRACKED).mean()) if len(state) else None,
         "inferred": float((state == INFERRED).mean()) if len(state) else None,
-        "median_m": float(np.median(far)) if len(far) else None,
-        "p95_m": float(np.percentile(far, 95)) if len(far) else None,
-        "astray": float((far > ASTRAY_M).mean()) if len(far) else None,
-        "bias_m": _rms(means),
-        "drift_m": drift,
-        "correlation": max(0.0, 1.0 - step**2 / (2.0 * drift**2)) if drift and step is not None else None,
-        "inferred_m": _rms(guessed),
+        "median_m": float(np.median(distance_m)) if len(distance_m) else None,
+        "p95_m": float(np.percentile(distance_m, 95)) if len(distance_m) else None,
+        "astray": float((distance_m > OUTLIER_M).mean()) if len(distance_m) else None,
+        "bias_m": _rms(cell.mean_m),
+        "drift_m": drift_m,
+        "correlation": _frame_correlation(cell.step_m, drift_m),
+        "inferred_m": _rms(cell.inferred_m),
     }
 
 
+def _rows_and_bands(
+    truth: Mapping[str, Array], table: Timetable, dancer: int, t_s: Array
+) -> tuple[IntArray, IntArray, IntArray]:
+    """(N,) row, and (N,) occlusion bands of trunk and hands, of one dancer at every frame."""
+    of_dancer = truth["dancer"] == dancer
+    truth_s = truth["t_s"][of_dancer]
+    nearest = np.minimum(np.searchsorted(truth_s, t_s), len(truth_s) - 1)
+
+    heading = np.array([table.heading_rad(table.iteration_at(time)) for time in t_s.tolist()])
+    ahead_m = np.zeros(len(t_s))
+    for name, direction in (("x_m", np.cos(heading)), ("y_m", np.sin(heading))):
+        centre = truth[name].reshape(len(truth_s), -1).mean(axis=1)
+        ahead_m += direction * (truth[name][of_dancer] - centre)[nearest]
+
+    row = (ahead_m < 0.0).astype(np.int64)
+    return row, _band(truth["spine_seen"][of_dancer][nearest]), _band(truth["hands_seen"][of_dancer][nearest])
+
+
+def _band(visible_share: Array) -> IntArray:
+    """Indices into `BANDS`; a share that is NaN, without an active sensor, is hidden."""
+    return np.where(visible_share >= 1.0, 0, np.where(visible_share > 0.0, 1, 2)).astype(np.int64)
+
+
+def _gather(observations: Sequence[JointObservation], group: str, row: str, band: str) -> _Cell:
+    """Values of one cell; arguments as in `joint_figures`."""
+    joints = np.flatnonzero(GROUPS[group]) if group != ALL else np.arange(len(JOINTS))
+    nothing = [np.zeros(0)]
+    cell: dict[str, list[Array]] = {name: list(nothing) for name in _Cell.__dataclass_fields__}
+
+    for observation, joint in itertools.product(observations, joints.tolist()):
+        frames = _frames(observation, joint, row, band)
+        state = observation.state[frames, joint]
+        error = observation.error_m[frames, joint].astype(np.float64)
+        tracked = error[state == TRACKED]
+
+        cell["state"].append(state.astype(np.float64))
+        cell["distance_m"].append(np.sqrt((tracked**2).sum(axis=1)))
+        cell["inferred_m"].append(error[state == INFERRED].ravel())
+        if len(tracked) >= LEAST_FRAMES:
+            mean = tracked.mean(axis=0)
+            cell["mean_m"].append(mean)
+            cell["deviation_m"].append((tracked - mean).ravel())
+            cell["step_m"].append(np.diff(tracked, axis=0).ravel())
+
+    return _Cell(**{name: np.concatenate(parts) for name, parts in cell.items()})
+
+
+def _frames(observation: JointObservation, joint: int, row: str, band: str) -> BoolArray:
+    """(N,) whether each frame belongs to a cell of the table."""
+    bands = observation.hands if GROUPS["arms"][joint] else observation.trunk
+    included = np.ones(len(observation.state), dtype=bool)
+    if row != ALL:
+        included &= observation.row == ROWS.index(row)
+    if band != ALL:
+        included &= bands == BANDS.index(band)
+    return included
+
+
+def _frame_correlation(step_m: Array, drift_m: float | None) -> float | None:
+    """Correlation of the slow error between frames: 1 - var(step) / (2 var(deviation)), at least 0."""
+    regular = np.zeros(0)
+    if len(step_m):
+        limit = OUTLIER_STEP * MAD_TO_SD * np.median(np.abs(step_m))
+        regular = step_m[np.abs(step_m) <= limit]
+
+    step = _rms(regular)
+    if not drift_m or step is None:
+        return None
+    return max(0.0, 1.0 - step**2 / (2.0 * drift_m**2))
+
+
 def _rms(values: Array) -> float | None:
+    """Root mean square; None without values."""
     return float(np.sqrt(np.mean(values**2))) if len(values) else None

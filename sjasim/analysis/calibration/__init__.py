@@ -1,1 +1,1 @@
-"""Fitting the human timing model to recorded groups."""
+"""Calibration: the human timing model fitted to recorded groups."""

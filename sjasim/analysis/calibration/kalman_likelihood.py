@@ -1,9 +1,10 @@
-"""The likelihood of event times under linear phase correction, by a Kalman filter over the events.
+"""Likelihood of event times under linear phase correction, from a Kalman filter over the events of each sequence.
 
-The state is every dancer's own deviation and the group's common shift; dancers' events are its noisy sums. Which
-events are missing is all that the filter's gains depend on, so they are worked out once for every pattern of gaps.
+The state has every dancer's own deviation and the group's common shift; an observed event is the sum of the two plus
+motor noise. The gains depend only on which events are missing, so they are computed once for every pattern of missing
+events, and not for every sequence.
 
-Source: jacoby2015, section 2 (the ensemble as a linear model); the state-space form and its likelihood are textbook.
+Source: jacoby2015, section 2 (the ensemble as a linear model). The state-space form and its likelihood are standard.
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ from ...core import Array, BoolArray, IntArray
 
 
 class Noise(NamedTuple):
-    """Variances of the model, in the square of the data's unit.
+    """Noise of the model; variances are in the square of the data's unit.
 
     Attributes:
-        timekeeper: (D,) of each event's timekeeper noise.
-        first: (D,) of own deviations at a sequence's first event.
-        motor: (D,) of the noise that is not carried on.
-        common: of the common shift.
-        correlation: of the common shift from event to event.
+        timekeeper: (D,) variance that each event adds to the own deviations.
+        first: (D,) variance of the own deviations at the first event of a sequence.
+        motor: (D,) variance of the noise that does not carry over to the next event.
+        common: variance of the common shift.
+        correlation: correlation of the common shift between successive events.
     """
 
     timekeeper: Array
@@ -38,16 +39,30 @@ class Noise(NamedTuple):
 def _gains(
     present: BoolArray, transition: Array, timekeeper: Array, first: Array, motor: Array, common: float, rho: float
 ) -> tuple[Array, Array]:
-    """(E, D, D + 1) gain of each event and (E, D) variance of its innovation, for one pattern of gaps."""
+    """(E, D, D + 1) gain of each event and (E, D) variance of its innovation, for one pattern of missing events.
+
+    Args:
+        present: (E, D) which events there are.
+        transition: (D, D) own deviations of one event from those of the event before.
+        timekeeper: (D,) see `Noise`.
+        first: (D,) see `Noise`.
+        motor: (D,) see `Noise`.
+        common: see `Noise`.
+        rho: correlation of the common shift, see `Noise`.
+    """
     events, dancers = present.shape
     size = dancers + 1
     gains = np.zeros((events, dancers, size))
     variances = np.ones((events, dancers))
+
+    # The last entry of the state is the common shift.
     covariance = np.zeros((size, size))
     step = np.zeros((size, size))
     step[:dancers, :dancers] = transition
     step[dancers, dancers] = rho
+
     for e in range(events):
+        # Prediction; the noise of the common shift keeps its variance stationary.
         if e == 0:
             for i in range(dancers):
                 covariance[i, i] = first[i]
@@ -57,6 +72,8 @@ def _gains(
             for i in range(dancers):
                 covariance[i, i] += timekeeper[i]
             covariance[dancers, dancers] += common * (1.0 - rho * rho)
+
+        # Update with one event after the other: their motor noises are independent.
         for i in range(dancers):
             if not present[e, i]:
                 continue
@@ -67,30 +84,36 @@ def _gains(
             for a in range(size):
                 for b in range(size):
                     covariance[a, b] -= gains[e, i, a] * column[b]
+
     return gains, variances
 
 
 @njit(cache=True)
-def _distance(times: Array, present: BoolArray, gains: Array, variances: Array, transition: Array, rho: float) -> float:
-    """Squared distance of one sequence from its predictions, in their standard deviations."""
+def _squared_distance(
+    times: Array, present: BoolArray, gains: Array, variances: Array, transition: Array, rho: float
+) -> float:
+    """Sum of the squared innovations of one sequence, each over its variance; arguments as in `_gains`."""
     events, dancers = present.shape
     state = np.zeros(dancers + 1)
-    moved = np.zeros(dancers + 1)
+    predicted = np.zeros(dancers + 1)
     total = 0.0
+
     for e in range(events):
         if e:
             for i in range(dancers):
-                moved[i] = 0.0
+                predicted[i] = 0.0
                 for j in range(dancers):
-                    moved[i] += transition[i, j] * state[j]
-            moved[dancers] = rho * state[dancers]
-            state[:] = moved
+                    predicted[i] += transition[i, j] * state[j]
+            predicted[dancers] = rho * state[dancers]
+            state[:] = predicted
+
         for i in range(dancers):
             if present[e, i]:
-                gap = times[e, i] - state[i] - state[dancers]
-                total += gap * gap / variances[e, i]
+                innovation = times[e, i] - state[i] - state[dancers]
+                total += innovation * innovation / variances[e, i]
                 for a in range(dancers + 1):
-                    state[a] += gains[e, i, a] * gap
+                    state[a] += gains[e, i, a] * innovation
+
     return total
 
 
@@ -99,70 +122,91 @@ def _evaluate(
     times: Array, pattern: IntArray, patterns: BoolArray, transition: Array, timekeeper: Array, first: Array,
     motor: Array, common: float, rho: float,
 ) -> tuple[Array, Array]:  # fmt: skip
-    distance, log_det = np.zeros(len(times)), np.zeros(len(times))
+    """(N,) squared distances and (N,) log determinants of all sequences; an impossible variance gives infinity.
+
+    Args:
+        times: (N, E, D) event times; missing ones have any finite value.
+        pattern: (N,) index into ``patterns`` of each sequence.
+        patterns: (P, E, D) which events there are.
+        transition: (D, D) as in `_gains`, like the arguments that follow.
+        timekeeper: (D,).
+        first: (D,).
+        motor: (D,).
+        common: variance of the common shift.
+        rho: its correlation.
+    """
+    distance = np.zeros(len(times))
+    log_det = np.zeros(len(times))
+
     for p in range(len(patterns)):
         gains, variances = _gains(patterns[p], transition, timekeeper, first, motor, common, rho)
         log_sum = np.log(variances).sum() if variances.min() > 0.0 else np.inf
         for n in range(len(times)):
             if pattern[n] == p:
                 log_det[n] = log_sum
-                distance[n] = _distance(times[n], patterns[p], gains, variances, transition, rho)
+                distance[n] = _squared_distance(times[n], patterns[p], gains, variances, transition, rho)
+
     return distance, log_det
 
 
 @njit(cache=True)
 def log_mixture(distance: Array, counts: IntArray, log_scale: Array, log_weight: Array) -> Array:
-    """(N,) log densities, but for determinants and constants, of sequences whose noise has a random scale.
+    """(N,) log densities of sequences whose noise has a random scale, without determinants and constants.
 
     Args:
         distance: (N,) squared distances at scale 1.
-        counts: (N,) events in each sequence.
+        counts: (N,) number of events in each sequence.
         log_scale: (S,) logarithms of the scales.
         log_weight: (S,) logarithms of their probabilities.
     """
-    inverse = np.exp(-2.0 * log_scale)
-    out = np.empty(len(distance))
+    inverse_square = np.exp(-2.0 * log_scale)
+    result = np.empty(len(distance))
     terms = np.empty(len(log_scale))
+
     for n in range(len(distance)):
         highest = -np.inf
         for s in range(len(log_scale)):
-            terms[s] = log_weight[s] - counts[n] * log_scale[s] - 0.5 * distance[n] * inverse[s]
+            terms[s] = log_weight[s] - counts[n] * log_scale[s] - 0.5 * distance[n] * inverse_square[s]
             highest = max(highest, terms[s])
+
+        # Terms below the highest by 40 are less than its last digit.
         total = 0.0
         for s in range(len(log_scale)):
             if terms[s] > highest - 40.0:
                 total += np.exp(terms[s] - highest)
-        out[n] = highest + np.log(total)
-    return out
+        result[n] = highest + np.log(total)
+
+    return result
 
 
 class PhaseFilter:
-    """Sequences of event times, ready to be judged under any parameters.
+    """Sequences of event times, prepared for evaluating their likelihood under many parameters.
 
     Args:
-        times_s: (N, E, D) event times minus what is expected, NaN where there is none.
+        times_s: (N, E, D) event times minus their expectation; NaN where there is no event.
     """
 
     def __init__(self, times_s: Array) -> None:
         present = np.isfinite(times_s)
         patterns, pattern = np.unique(present, axis=0, return_inverse=True)
-        self._patterns, self._pattern = patterns, pattern.reshape(-1)
+        self._patterns = patterns
+        self._pattern = pattern.reshape(-1)
         self._times = np.where(present, times_s, 0.0)
         self.counts: IntArray = present.sum(axis=(1, 2))
-        """(N,) events in each sequence."""
+        """(N,) number of events in each sequence."""
 
     def evaluate(self, transition: Array, noise: Noise) -> tuple[Array, Array]:
         """(N,) squared distances of the sequences, and (N,) log determinants of their covariances.
 
-        A sequence's log density is ``-(distance + log determinant + count log 2 pi) / 2``; with all noises scaled by s
-        it is ``-(distance / s^2 + log determinant + count log(2 pi s^2)) / 2``.
+        The log density of a sequence of n events is ``-(distance + log determinant + n log 2 pi) / 2``. With all noises
+        scaled by s it is ``-(distance / s^2 + log determinant + n log(2 pi s^2)) / 2``.
 
         Args:
             transition: (D, D) own deviations of one event from those of the event before.
-            noise: the variances.
+            noise: the model's noise.
         """
-        out = _evaluate(
+        distance, log_det = _evaluate(
             self._times, self._pattern, self._patterns, np.ascontiguousarray(transition), noise.timekeeper,
             noise.first, noise.motor, float(noise.common), float(noise.correlation),
         )  # fmt: skip
-        return out[0], out[1]
+        return distance, log_det

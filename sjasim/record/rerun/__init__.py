@@ -1,1 +1,1 @@
-"""Sessions as rerun recordings, and reading these."""
+"""Sessions as rerun recordings, reading them back, and the viewer."""

@@ -1,4 +1,4 @@
-"""A session in the viewer while it is danced."""
+"""Shows a session in the viewer while it runs."""
 
 from __future__ import annotations
 
@@ -9,32 +9,35 @@ import rerun as rr
 
 from ...config import SessionConfig
 from ...core.session_log import SessionLog
+from .blueprint import blueprint
+from .entity_stream import Span
 from .explanation import DelayReport
-from .recording import APPLICATION, Recorder, blueprint
-from .scene import Span
+from .recording import APPLICATION, Recorder
 from .viewer import start
 
 BLOCK_S = 1.0
-"""How much session time goes to the viewer at once."""
+"""Session time between two transmissions to the viewer [s]."""
 
-SETTLED_S = 1.5
-"""So long after they happened all events have arrived."""
+ARRIVAL_MARGIN_S = 1.5
+"""Age from which every event of the log has arrived, so that nothing is added to a time that has been sent [s]."""
 
 
 class LiveView:
-    """Opens a viewer on this machine and feeds it as the session goes on.
+    """Opens a viewer on this machine and sends it the session as it runs.
 
     Args:
-        config: the session's.
-        headless: a viewer without a window, for tests.
+        config: configuration of the session.
+        headless: open the viewer without a window, for tests.
     """
 
     def __init__(self, config: SessionConfig, headless: bool = False) -> None:
         self.process: subprocess.Popen[bytes]
         self.process, self.url = start(headless=headless)
+
         name = f"{config.method}-{config.seed}-live"
         self._stream = rr.RecordingStream(APPLICATION, recording_id=name, send_properties=False)
         self._stream.connect_grpc(self.url, default_blueprint=blueprint({"": config}))
+
         self._recorder = Recorder(self._stream, config)
         self._sent_s = float("-inf")
         self._due_s = BLOCK_S
@@ -43,15 +46,15 @@ class LiveView:
         """Send another block if one is due.
 
         Args:
-            now: session time.
-            log: gives the log as it stands.
+            now: session time [s].
+            log: returns the log as it stands; it is called only if a block is due.
         """
         if now >= self._due_s:
             self._due_s += BLOCK_S
-            self._send(log(), now - SETTLED_S)
+            self._send(log(), now - ARRIVAL_MARGIN_S)
 
     def finish(self, log: SessionLog, report: DelayReport) -> None:
-        """Send the rest, and what can be said now that the session is over."""
+        """Send the remaining part of the session, and the report."""
         self._send(log, float("inf"))
         self._recorder.finish(report)
         self._stream.flush()
@@ -63,6 +66,7 @@ class LiveView:
         self.process.wait(10)
 
     def _send(self, log: SessionLog, until_s: float) -> None:
+        """Send what lies between the last transmission and a session time."""
         if until_s > self._sent_s:
             self._recorder.send(log, Span(self._sent_s, until_s))
             self._sent_s = until_s

@@ -1,4 +1,4 @@
-"""Rerun's viewer as a process of ours: it listens on this machine only, and ends when we say so."""
+"""Runs rerun's viewer as a child process, with or without a window."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import os
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,21 +16,22 @@ from typing import IO
 import rerun as rr
 
 from ...core.errors import RecordError
-from .scene import TIMELINE
+from .entity_stream import TIMELINE
 
-HERE = "127.0.0.1"
-START_S = 30.0
-"""How long the viewer may take to answer."""
+LOCALHOST = "127.0.0.1"
 
-END_S = 5.0
-"""How long it may take to end once it answers no more."""
+START_TIMEOUT_S = 30.0
+"""Longest time until a new viewer answers, or has opened a recording [s]."""
+
+END_TIMEOUT_S = 5.0
+"""Longest time until a viewer that no longer answers has ended [s]."""
 
 
 def executable() -> Path:
-    """The viewer that comes with rerun's package.
+    """Path of the viewer that rerun's package contains.
 
     Raises:
-        RecordError: the package has none.
+        RecordError: the package contains none.
     """
     import rerun_cli
 
@@ -40,74 +42,88 @@ def executable() -> Path:
 
 
 def start(
-    *files: Path, headless: bool = False, port: int = 0, bind: str = HERE, size: str = "", log: IO[bytes] | None = None
+    *files: Path,
+    headless: bool = False,
+    port: int = 0,
+    bind: str = LOCALHOST,
+    size: str = "",
+    log: IO[bytes] | None = None,
 ) -> tuple[subprocess.Popen[bytes], str]:
     """Start a viewer.
 
     Args:
         files: recordings to open.
-        headless: without a window.
-        port: where it listens; 0 for a free one.
-        bind: address it listens on.
-        size: of a headless viewer, such as ``1920x1080``.
-        log: where what it says goes; nowhere by default.
+        headless: run without a window.
+        port: port to listen on; 0 for a free one.
+        bind: address to listen on.
+        size: window size, such as ``1920x1080``; "" for the viewer's default.
+        log: file that receives the viewer's output; by default it is discarded.
 
     Returns:
-        the process and the address that streams and clients connect to.
+        The process, and the address to which streams and clients connect.
     """
     port = port or free_port()
-    words = [str(executable()), *map(str, files), "--bind", bind, "--port", str(port), "--hide-welcome-screen"]
-    words += (["--headless"] if headless else []) + (["--window-size", size] if size else [])
-    sink = log if log is not None else subprocess.DEVNULL
-    process = subprocess.Popen(words, stdout=sink, stderr=sink)
-    return process, f"rerun+http://{HERE}:{port}/proxy"
+    command = [str(executable()), *map(str, files), "--bind", bind, "--port", str(port), "--hide-welcome-screen"]
+    if headless:
+        command.append("--headless")
+    if size:
+        command += ["--window-size", size]
+
+    output = log if log is not None else subprocess.DEVNULL
+    process = subprocess.Popen(command, stdout=output, stderr=output)
+    return process, f"rerun+http://{LOCALHOST}:{port}/proxy"
 
 
 def screenshot(recording: Path, picture: Path, t_s: float, size: str = "1920x1080", settle_s: float = 3.0) -> list[str]:
-    """A picture of a recording in the viewer, without a display.
+    """Save a picture of a recording in the viewer, without a display.
 
     Args:
         recording: the .rrd file.
         picture: the .png file, which is replaced.
-        t_s: session time to show.
-        size: of the window.
-        settle_s: how long the viewer has to draw.
+        t_s: session time to show [s].
+        size: window size in pixels.
+        settle_s: time that the viewer is given to draw [s].
 
     Returns:
-        what the viewer reports about its views; empty if all is well.
+        Errors and warnings that the viewer reports about its views; empty if there are none.
 
     Raises:
-        RecordError: the viewer does not start, or has nothing to draw with.
+        RecordError: the viewer does not start, or cannot draw.
     """
-    with running(size) as url:
+    with headless_viewer(size) as url:
         client = rr.experimental.ViewerClient.connect(url)
         client.open(str(recording.absolute()))
-        deadline = time.monotonic() + START_S
+        deadline = time.monotonic() + START_TIMEOUT_S
         while not client.get_state().recordings and time.monotonic() < deadline:
             time.sleep(0.2)
+
+        # The viewer has no call that tells when it has drawn: wait before and after the jump in time.
         time.sleep(settle_s / 2)
         client.set_time(TIMELINE, duration=t_s, play_state="paused")
         time.sleep(settle_s)
+
         client.save_screenshot(str(picture.absolute()))
         return [f"{view.name}: {report}" for view in client.get_state().views for report in view.reports]
 
 
 @contextlib.contextmanager
-def running(size: str = "1920x1080") -> Iterator[str]:
-    """A viewer without a window, for as long as it is needed; gives its address.
+def headless_viewer(size: str = "1920x1080") -> Iterator[str]:
+    """Context manager that runs a viewer without a window and yields its address.
+
+    Args:
+        size: window size in pixels.
 
     Raises:
-        RecordError: it does not start, has nothing to draw with, or ends while it is needed.
+        RecordError: the viewer does not start, cannot draw, or ends too early.
     """
-    import tempfile
-
-    with tempfile.TemporaryFile() as said:
-        process, url = start(headless=True, size=size, log=said)
+    with tempfile.TemporaryFile() as output:
+        process, url = start(headless=True, size=size, log=output)
         try:
-            wait_until_ready(process, url, said)
+            wait_until_ready(process, url, output)
             yield url
-        except ConnectionError as error:  # it may answer once and find only then that it cannot draw
-            raise RecordError(_silence(process, said, error)) from None
+        except ConnectionError as error:
+            # The viewer may answer once before it finds that it cannot draw.
+            raise RecordError(_lost_connection(process, output, error)) from None
         finally:
             process.terminate()
             try:
@@ -116,62 +132,68 @@ def running(size: str = "1920x1080") -> Iterator[str]:
                 process.kill()
 
 
-def wait_until_ready(process: subprocess.Popen[bytes], url: str, said: IO[bytes] | None = None) -> None:
+def wait_until_ready(process: subprocess.Popen[bytes], url: str, output: IO[bytes] | None = None) -> None:
     """Wait until a viewer answers.
 
     Args:
         process: the viewer.
         url: its address.
-        said: where its words went.
+        output: file that receives the viewer's output; it gives the reason if the viewer ends.
 
     Raises:
-        RecordError: it ends at once, or stays silent.
+        RecordError: the viewer ends, or does not answer within `START_TIMEOUT_S`.
     """
-    deadline = time.monotonic() + START_S
+    deadline = time.monotonic() + START_TIMEOUT_S
     while time.monotonic() < deadline:
         if process.poll() is not None:
-            raise RecordError("rerun's viewer ended at once" if said is None else _reason(said))
+            raise RecordError("rerun's viewer ended at once" if output is None else _end_reason(output))
+
         with contextlib.suppress(Exception):
             rr.experimental.ViewerClient.connect(url).get_state()
             return
         time.sleep(0.3)
-    raise RecordError(f"rerun's viewer did not answer within {START_S:g} s")
+
+    raise RecordError(f"rerun's viewer did not answer within {START_TIMEOUT_S:g} s")
 
 
-def _silence(process: subprocess.Popen[bytes], said: IO[bytes], error: ConnectionError) -> str:
-    """Why a viewer that has answered does so no more: its own last words if it has ended."""
+def free_port() -> int:
+    """A port that no process listens on."""
+    with socket.socket() as listener:
+        listener.bind((LOCALHOST, 0))
+        return int(listener.getsockname()[1])
+
+
+def check_display(instead: str) -> None:
+    """Check that a window can be opened.
+
+    Args:
+        instead: what the user can do without a display; ends the error message.
+
+    Raises:
+        RecordError: there is no display.
+    """
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise RecordError(f"there is no display for rerun's viewer; {instead}")
+
+
+def _lost_connection(process: subprocess.Popen[bytes], output: IO[bytes], error: ConnectionError) -> str:
+    """Error message for a viewer that no longer answers: its last output if it has ended."""
     try:
-        process.wait(END_S)
+        process.wait(END_TIMEOUT_S)
     except subprocess.TimeoutExpired:
-        return f"rerun's viewer answers no more: {error}"
-    return _reason(said)
+        return f"rerun's viewer no longer answers: {error}"
+    return _end_reason(output)
 
 
-def _reason(said: IO[bytes]) -> str:
-    said.seek(0)
-    words = said.read().decode(errors="replace")
-    drawing = any(word in words for word in ("render context", "adapter", "Vulkan", "wgpu"))
-    last = next((line.strip() for line in reversed(words.splitlines()) if line.strip()), "no reason given")
-    if drawing:
+def _end_reason(output: IO[bytes]) -> str:
+    """Error message for a viewer that has ended, from its output."""
+    output.seek(0)
+    text = output.read().decode(errors="replace")
+
+    if any(word in text for word in ("render context", "adapter", "Vulkan", "wgpu")):
         return (
             "rerun's viewer has nothing to draw with: on Debian and Ubuntu install mesa-vulkan-drivers "
             "(apt-get install mesa-vulkan-drivers)"
         )
-    return f"rerun's viewer ended at once: {last}"
-
-
-def free_port() -> int:
-    """A port that nobody listens on."""
-    with socket.socket() as door:
-        door.bind((HERE, 0))
-        return int(door.getsockname()[1])
-
-
-def check_display(instead: str) -> None:
-    """Make sure that a window can be opened.
-
-    Raises:
-        RecordError: there is no display; ``instead`` says what to do.
-    """
-    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise RecordError(f"there is no display for rerun's viewer; {instead}")
+    last_line = next((line.strip() for line in reversed(text.splitlines()) if line.strip()), "no reason given")
+    return f"rerun's viewer ended at once: {last_line}"

@@ -1,1 +1,1 @@
-"""Sessions as ROS 2 messages."""
+"""Sessions as ROS 2 messages in MCAP files."""

@@ -1,8 +1,12 @@
-"""ROS 2 message definitions that MCAP files carry, as their packages publish them, without comments."""
+"""ROS 2 message definitions that MCAP files contain, as published by their packages but without comments.
+
+To add a message type: write its definition into `_MESSAGES`, and those of its parts into `_PARTS`.
+"""
 
 from __future__ import annotations
 
-RULE = "=" * 80
+SEPARATOR = "=" * 80
+"""Line between the definitions of a message and its parts, as the MCAP format demands it."""
 
 _PARTS = {
     "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id",
@@ -24,8 +28,9 @@ _PARTS = {
     "builtin_interfaces/Duration lifetime\nbool frame_locked\ngeometry_msgs/Point[] points\n"
     "std_msgs/ColorRGBA[] colors\nstring text\nstring mesh_resource\nbool mesh_use_embedded_materials",
 }
+"""Type that others contain -> its definition."""
 
-_WHOLE = {
+_MESSAGES = {
     "std_msgs/msg/String": "string data",
     "geometry_msgs/msg/TwistStamped": "std_msgs/Header header\ngeometry_msgs/Twist twist",
     "nav_msgs/msg/Odometry": "std_msgs/Header header\nstring child_frame_id\n"
@@ -33,20 +38,23 @@ _WHOLE = {
     "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
     "visualization_msgs/msg/MarkerArray": "visualization_msgs/Marker[] markers",
 }
+"""Type of a message -> its definition."""
 
 
-def _with_parts(text: str) -> str:
-    """A definition followed by every definition that it needs."""
+def _with_parts(definition: str) -> str:
+    """A definition followed by those of all types that it contains, directly or not."""
     needed: list[str] = []
-    waiting = [text]
-    while waiting:
-        for line in waiting.pop().splitlines():
+    pending = [definition]
+
+    while pending:
+        for line in pending.pop().splitlines():
             name = line.split()[0].partition("[")[0]
             if name in _PARTS and name not in needed:
                 needed.append(name)
-                waiting.append(_PARTS[name])
-    return "\n".join([text, *(f"{RULE}\nMSG: {name}\n{_PARTS[name]}" for name in needed)])
+                pending.append(_PARTS[name])
+
+    return "\n".join([definition, *(f"{SEPARATOR}\nMSG: {name}\n{_PARTS[name]}" for name in needed)])
 
 
-SCHEMAS = {name: _with_parts(text) for name, text in _WHOLE.items()}
-"""Schema -> its definition with those of its parts."""
+SCHEMAS = {name: _with_parts(definition) for name, definition in _MESSAGES.items()}
+"""Type of a message -> its definition with those of its parts."""

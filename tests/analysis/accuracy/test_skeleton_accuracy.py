@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sjasim.analysis.accuracy.skeleton_accuracy import ASTRAY_M, GROUPS, JointObservation, figures, joint_rows
+from sjasim.analysis.accuracy.skeleton_accuracy import GROUPS, OUTLIER_M, JointObservation, joint_figures, joint_rows
 from sjasim.assets.names import JOINT_INDEX
 from sjasim.core import INFERRED, NOT_TRACKED, TRACKED
 
@@ -30,7 +30,7 @@ def test_every_joint_belongs_to_one_group():
 
 
 def test_constant_and_slow_error_are_told_apart():
-    found = figures([sighting()])
+    found = joint_figures([sighting()])
     assert found["bias_m"] == pytest.approx(0.02, rel=0.1)
     assert found["drift_m"] == pytest.approx(0.01, rel=0.1)
     assert found["correlation"] == pytest.approx(0.95, abs=0.005)
@@ -39,14 +39,14 @@ def test_constant_and_slow_error_are_told_apart():
 
 def test_the_share_astray_is_of_tracked_joints():
     one, head = sighting(0.0, 0.0), JOINT_INDEX["Head"]
-    one.error_m[:, head] = [2.0 * ASTRAY_M, 0.0, 0.0]
+    one.error_m[:, head] = [2.0 * OUTLIER_M, 0.0, 0.0]
     one.state[: FRAMES // 2, head] = INFERRED
     one.state[FRAMES // 2 : FRAMES * 3 // 4, JOINT_INDEX["Neck"]] = NOT_TRACKED
-    found = figures([one], "head")
+    found = joint_figures([one], "head")
     assert found["tracked"] == pytest.approx(0.625)
     assert found["inferred"] == pytest.approx(0.25)
     assert found["astray"] == pytest.approx(0.4)
-    assert found["inferred_m"] == pytest.approx(2.0 * ASTRAY_M / np.sqrt(3.0))
+    assert found["inferred_m"] == pytest.approx(2.0 * OUTLIER_M / np.sqrt(3.0))
 
 
 def test_rows_and_bands_sum_up_and_arms_go_by_the_hands():

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from sjasim.analysis.calibration.kalman_likelihood import Noise, PhaseFilter, log_mixture
-from sjasim.analysis.calibration.timing_fit import FitError, TappingTrials, fit_trials
+from sjasim.analysis.calibration.tapping_trials import FitError, TappingTrials
+from sjasim.analysis.calibration.timing_fit import fit_trials
 from sjasim.analysis.calibration.trials import phrases
 from sjasim.choreography.paper import paper
 from sjasim.choreography.timetable import Timetable

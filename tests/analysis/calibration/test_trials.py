@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sjasim.analysis.calibration.timing_fit import FitError
+from sjasim.analysis.calibration.tapping_trials import FitError
 from sjasim.analysis.calibration.trials import arrange_trials, concatenate_trials, phrases
 from sjasim.choreography.march import march
 from sjasim.choreography.paper import paper

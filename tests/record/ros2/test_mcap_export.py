@@ -1,4 +1,4 @@
-"""The MCAP file, read by a reader that is not the writer's, says what the tables say."""
+"""The MCAP file holds the values of the tables, as an independent reader finds them."""
 
 import json
 
@@ -7,15 +7,13 @@ import pytest
 
 from sjasim.record.ros2 import mcap_export
 
-from ...analysis.synthetic import session
-
 pytest.importorskip("mcap_ros2")
 highlevel = pytest.importorskip("rosbags.highlevel")
 
 
 @pytest.fixture(scope="module")
-def log():
-    return session(iterations=1)
+def log(make_session_log):
+    return make_session_log(iterations=1)
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +29,7 @@ def messages(log, tmp_path_factory):
     return found
 
 
-def test_odometry_is_the_tables(messages, log):
+def test_odometry_equals_the_table(messages, log):
     assert len(messages["/odom"]) == len(log.odometry["t_s"])
     for row in range(0, 400, 37):
         t_s, content = messages["/odom"][row]
@@ -42,14 +40,14 @@ def test_odometry_is_the_tables(messages, log):
         assert np.cos(turned - log.odometry["heading_rad"][row]) == pytest.approx(1.0)
 
 
-def test_events_and_decisions_are_the_tables(messages, log):
-    told = [json.loads(content.data) for _, content in messages["/events"]]
-    assert sorted(item["t_s"] for item in told if item["agent"] != "robot") == sorted(e.t_s for e in log.events)
-    assert [item["t_s"] for item in told if item["agent"] == "robot"] == [e.t_s for e in log.robot_events]
+def test_events_and_decisions_equal_the_tables(messages, log):
+    events = [json.loads(content.data) for _, content in messages["/events"]]
+    assert sorted(item["t_s"] for item in events if item["agent"] != "robot") == sorted(e.t_s for e in log.events)
+    assert [item["t_s"] for item in events if item["agent"] == "robot"] == [e.t_s for e in log.robot_events]
     assert json.loads(messages["/decisions"][0][1].data)["person"] == "dancer_1"
 
 
-def test_skeletons_transforms_and_commands_are_there(messages, log):
+def test_skeletons_transforms_and_commands_are_written(messages, log):
     _, content = messages["/dancers"][3]
     assert [marker.text for marker in content.markers] == ["dancer_1", "dancer_2", "dancer_3"]
     first = content.markers[1].points[0]
@@ -59,10 +57,10 @@ def test_skeletons_transforms_and_commands_are_there(messages, log):
     assert len(messages["/cmd_vel"]) == len(log.commands)
 
 
-def test_quaternions_turn_like_their_matrices():
+def test_quaternions_rotate_like_their_matrices():
     from scipy.spatial.transform import Rotation
 
-    for turn in Rotation.random(20, random_state=0):
-        found = mcap_export.quaternion(turn.as_matrix())
-        again = Rotation.from_quat([found[key] for key in "xyzw"])
-        assert (again * turn.inv()).magnitude() < 1e-6
+    for rotation in Rotation.random(20, random_state=0):
+        found = mcap_export.quaternion(rotation.as_matrix())
+        converted = Rotation.from_quat([found[key] for key in "xyzw"])
+        assert (converted * rotation.inv()).magnitude() < 1e-6
