@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..anticipation.synchrony import GroupSynchrony, Series, group_index, most_synchronous
+from ..anticipation.coincidences import Series
+from ..anticipation.synchrony import GroupSynchrony, group_index, most_synchronous
 from ..anticipation.timing_appropriateness import match_to_steps, timing_appropriateness
 from ..choreography.timetable import Timetable
 from ..config import SessionConfig

@@ -1,1 +1,1 @@
-"""Methods that decide when the robot moves, and the synchrony equations they share; one file per method."""
+"""Anticipation methods, which decide when the robot moves, one file per method, and the synchrony equations."""

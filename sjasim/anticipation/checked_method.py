@@ -1,10 +1,10 @@
-"""Every question that the session puts to a method, and what its answers must be: wrong ones are named at once."""
+"""Checks of a method's answers, so that a mistake in a user's method is reported by name and at once."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from numbers import Integral, Real
-from reprlib import repr as shortened
+from reprlib import repr as short_repr
 
 import numpy as np
 
@@ -12,23 +12,24 @@ from ..core.errors import HookError, PluginError, SjasimError
 from ..core.method_io import CancelCommand, MethodAction, MethodContext, ScheduleCommand, SetTimer
 from .method import Follower, Method
 
-WANTED = "a sequence of ScheduleCommand, CancelCommand and SetTimer is wanted"
-FIELDS: dict[str, tuple[type, str]] = {
+_EXPECTED = "a sequence of ScheduleCommand, CancelCommand and SetTimer is wanted"
+
+_ACTION_FIELDS: dict[str, tuple[type, str]] = {
     "iteration": (Integral, "a whole number"),
     "ordinal": (Integral, "a whole number"),
     "t_s": (Real, "a session time in seconds"),
     "why": (str, "a string"),
     "person": (str, "a string"),
 }
-"""Field of an answer -> its type, and that in words."""
+"""Field of an action -> its type, and that type in words."""
 
 
 class CheckedMethod:
-    """Calls a method's hooks, and refuses answers that nobody could act upon.
+    """Calls the hooks of a method and checks what they return.
 
     Args:
         name: what the user calls the method.
-        method: whose hooks.
+        method: the method.
     """
 
     def __init__(self, name: str, method: Method) -> None:
@@ -37,37 +38,42 @@ class CheckedMethod:
         self._cast: tuple[str, ...] = ()
 
     def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
-        """Begin a dance.
+        """Reset the method for a dance.
 
         Raises:
             HookError: the method's own code failed.
         """
         self._cast = context.cast
-        self._call("reset", 0.0, (context, rng))
+        self._call_hook("reset", 0.0, (context, rng))
 
-    def call(self, hook: str, told_s: float, given: tuple[object, ...]) -> Sequence[MethodAction]:
-        """A hook's answers.
+    def call(self, hook: str, event_time_s: float, arguments: tuple[object, ...]) -> Sequence[MethodAction]:
+        """Call a hook and return its actions.
 
         Args:
-            hook: such as ``on_event``.
-            told_s: session time of what the method is told.
-            given: the hook's arguments.
+            hook: name of the hook, such as ``on_event``.
+            event_time_s: session time of what the method is told [s]; a timer must lie after it.
+            arguments: the hook's arguments.
 
         Raises:
-            PluginError: the answer is none, or a `SetTimer` does not lie in the future.
+            PluginError: the hook did not return a sequence of actions, a field of an action has a wrong type, or a
+                timer does not lie in the future.
             HookError: the method's own code failed.
         """
-        answers = self._call(hook, told_s, given)
-        if type(answers) is tuple and not answers:
+        actions = self._call_hook(hook, event_time_s, arguments)
+        # Most calls return an empty tuple.
+        if type(actions) is tuple and not actions:
             return ()
-        if isinstance(answers, str | bytes) or not isinstance(answers, Sequence):
-            raise PluginError(f"{self._name}.{hook} returned {shortened(answers)}; {WANTED}")
-        for item in answers:
-            self._check(hook, told_s, item)
-        return answers
 
-    def follows(self, iteration: int, told_s: float) -> tuple[str, ...] | None:
-        """Whom the robot follows: nobody if empty; None for everyone, or for a method that does not say.
+        if isinstance(actions, str | bytes) or not isinstance(actions, Sequence):
+            raise PluginError(f"{self._name}.{hook} returned {short_repr(actions)}; {_EXPECTED}")
+        for action in actions:
+            self._check_action(hook, event_time_s, action)
+        return actions
+
+    def follows(self, iteration: int, event_time_s: float) -> tuple[str, ...] | None:
+        """Whom the robot follows in an iteration: names of dancers, () for nobody, None for everyone.
+
+        None as well for a method that does not say whom it follows.
 
         Raises:
             PluginError: the answer is neither None nor a sequence of names of the cast.
@@ -75,36 +81,41 @@ class CheckedMethod:
         """
         if not isinstance(self._method, Follower):
             return None
-        persons = self._call("follows", told_s, (iteration,))
+        persons = self._call_hook("follows", event_time_s, (iteration,))
         if persons is None:
             return None
+
         if not isinstance(persons, tuple | list) or not all(isinstance(person, str) for person in persons):
-            raise PluginError(f"{self._name}.follows returned {shortened(persons)}; a tuple of names or None is wanted")
-        if strangers := [person for person in persons if person not in self._cast]:
             raise PluginError(
-                f"{self._name}.follows returned {strangers}; names among {', '.join(self._cast)} are wanted"
+                f"{self._name}.follows returned {short_repr(persons)}; a tuple of names or None is wanted"
+            )
+        unknown = [person for person in persons if person not in self._cast]
+        if unknown:
+            raise PluginError(
+                f"{self._name}.follows returned {unknown}; names among {', '.join(self._cast)} are wanted"
             )
         return tuple(persons)
 
-    def _call(self, hook: str, told_s: float, given: tuple[object, ...]) -> object:
+    def _call_hook(self, hook: str, event_time_s: float, arguments: tuple[object, ...]) -> object:
+        """Result of a hook; exceptions of the method's own code become a `HookError` that names the hook."""
         try:
-            return getattr(self._method, hook)(*given)
+            return getattr(self._method, hook)(*arguments)
         except SjasimError:
             raise
         except Exception as error:
             what = f"{type(error).__name__}: {error}"
-            raise HookError(f"{self._name}.{hook} failed at session time {told_s:.3f} s: {what}") from error
+            raise HookError(f"{self._name}.{hook} failed at session time {event_time_s:.3f} s: {what}") from error
 
-    def _check(self, hook: str, told_s: float, item: object) -> None:
-        """Refuse an answer of another type, with a field of another type, or a time to wake at that has passed."""
-        if not isinstance(item, ScheduleCommand | CancelCommand | SetTimer):
-            raise PluginError(f"{self._name}.{hook} returned {shortened(item)} among its answers; {WANTED}")
-        for field, (kind, words) in FIELDS.items():
-            if hasattr(item, field) and not isinstance(value := getattr(item, field), kind):
-                answer = f"{type(item).__name__}.{field} = {value!r}"
+    def _check_action(self, hook: str, event_time_s: float, action: object) -> None:
+        """Raise a `PluginError` for what is no action, for a field of a wrong type, and for a timer in the past."""
+        if not isinstance(action, ScheduleCommand | CancelCommand | SetTimer):
+            raise PluginError(f"{self._name}.{hook} returned {short_repr(action)} among its answers; {_EXPECTED}")
+
+        for field, (kind, words) in _ACTION_FIELDS.items():
+            if hasattr(action, field) and not isinstance(value := getattr(action, field), kind):
+                answer = f"{type(action).__name__}.{field} = {value!r}"
                 raise PluginError(f"{self._name}.{hook}: {answer} is not allowed: {words}")
-        if isinstance(item, SetTimer) and not told_s < item.t_s < np.inf:
-            raise PluginError(
-                f"{self._name}.{hook}: SetTimer.t_s = {item.t_s:g} is not allowed at session time {told_s:g} s: "
-                "a SetTimer must lie in the future"
-            )
+
+        if isinstance(action, SetTimer) and not event_time_s < action.t_s < np.inf:
+            answer = f"SetTimer.t_s = {action.t_s:g} is not allowed at session time {event_time_s:g} s"
+            raise PluginError(f"{self._name}.{hook}: {answer}: a SetTimer must lie in the future")

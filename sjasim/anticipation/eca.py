@@ -1,4 +1,4 @@
-"""Event cluster-based anticipation: the robot repeats the dancers' mean times of the last iteration.
+"""Event cluster-based anticipation (ECA): the robot repeats the dancers' mean times of the last iteration.
 
 Source: iqbal2016, section III-B.
 """
@@ -24,8 +24,9 @@ class EcaConfig:
     """Options of ECA.
 
     Attributes:
-        epsilon_s: largest gap between neighbours of one cluster; wider forgives stragglers, and averages them in.
-        lead_s: how long before the predicted time a command is sent; larger makes the robot earlier.
+        epsilon_s: largest gap between neighbouring times of one cluster [s]. A larger value tolerates stragglers and
+            includes them in the mean.
+        lead_s: how long before the predicted time a command is sent [s]; a larger value makes the robot earlier.
     """
 
     epsilon_s: float = EPSILON_S
@@ -39,51 +40,54 @@ class EcaConfig:
 
 @register("anticipation", "eca", config=EcaConfig)
 class Eca(ScheduledMethod):
-    """ECA: when an iteration closes, schedules the next one at the mean of each event's cluster.
+    """Schedules each step of an iteration at the mean time of the dancers' event in the iteration before.
 
-    A step that fewer than two dancers did together keeps its last time, first the nominal beat; so does a whole
-    iteration without events. The rehearsal is the history of iteration 1.
+    A step that fewer than two dancers did together keeps its last time, which at first is its beat in the music. An
+    iteration without events therefore keeps the whole schedule. Iteration 1 is scheduled from the rehearsal.
 
     Args:
-        config: its options.
+        config: options.
     """
 
     def __init__(self, config: EcaConfig = EcaConfig()) -> None:
         self._config = config
 
     def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
-        """Begin a dance."""
+        """Prepare for a dance: forget the last one."""
         super().reset(context, rng)
         self._history = EventHistory(context, self._config.epsilon_s)
 
     def on_event(self, event: Event) -> Sequence[MethodAction]:
-        """Remember; never answer."""
+        """Add the event to the history; ECA acts at the end of an iteration only."""
         self._history.add(event)
         return ()
 
-    def _schedule(self, iteration: int) -> Sequence[MethodAction]:
-        return scheduled(self._context, self._history, iteration, self._config.lead_s)
+    def _schedule_iteration(self, iteration: int) -> Sequence[MethodAction]:
+        """One command for each step, from the history of the iteration before."""
+        return schedule_from_history(self._context, self._history, iteration, self._config.lead_s)
 
 
-def scheduled(
+def schedule_from_history(
     context: MethodContext, history: EventHistory, iteration: int, lead_s: float
 ) -> tuple[ScheduleCommand, ...]:
-    """Learn from the iteration before, and answer with one intention for each step.
+    """One command for each step of an iteration, at the time that ECA predicts.
 
     Args:
         context: the dance.
-        history: events so far; its schedule moves on.
-        iteration: which to schedule, from 1.
-        lead_s: how long before its time a command is sent [s].
+        history: events so far; its schedule is updated with the iteration before.
+        iteration: which iteration to schedule, from 1.
+        lead_s: how long before the predicted time a command is sent [s].
+
+    Source: iqbal2016, section III-B.
     """
-    fresh = history.learn(iteration - 1)
-    start = context.iteration_start_s[iteration]
+    updated = history.update_schedule(iteration - 1)
+    start_s = context.iteration_start_s[iteration]
     return tuple(
         ScheduleCommand(
             iteration,
             step.ordinal,
-            start + float(history.schedule[index]) - lead_s,
-            f"mean of iteration {iteration - 1}" if fresh[index] else "kept: too few dancers together",
+            start_s + float(history.schedule[index]) - lead_s,
+            f"mean of iteration {iteration - 1}" if updated[index] else "kept: too few dancers together",
         )
         for index, step in enumerate(context.steps)
     )

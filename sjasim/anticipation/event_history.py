@@ -1,4 +1,4 @@
-"""What a method remembers: who did what when, by iteration, relative to the music."""
+"""Events of past iterations by dancer, relative to the music, and the schedule that ECA predicts from them."""
 
 from __future__ import annotations
 
@@ -8,24 +8,28 @@ import numpy as np
 
 from ..core import Array, Event, Kind
 from ..core.method_io import MethodContext
-from .synchrony import Series
+from .coincidences import Series
 from .timing_appropriateness import ideal_times, match_to_steps
 
 
 def nominal_times(context: MethodContext, iteration: int) -> Array:
-    """(K,) times of the context's steps after beat 0 of an iteration, by the music alone [s]."""
+    """(K,) times of the steps by the music alone, after beat 0 of the iteration [s]."""
     start_s = context.iteration_start_s[iteration]
     return np.array([context.time_s(iteration, step.beat) - start_s for step in context.steps])
 
 
 class EventHistory:
-    """Regular events of the cast by iteration and person, and the schedule that follows from them.
+    """Regular events of the dancers by iteration and person, and the schedule predicted from them.
 
-    Early events and persons outside the cast are not kept. Times are relative to beat 0 of their iteration.
+    Early events and events of persons outside the cast are not kept. Times are relative to beat 0 of their iteration.
 
     Args:
         context: the dance.
-        epsilon_s: width of a cluster's links [s].
+        epsilon_s: largest gap between neighbouring times of one cluster [s].
+
+    Attributes:
+        schedule: (K,) predicted time of each step after beat 0 [s]; the music's beats until an iteration has been used
+            by `update_schedule`.
     """
 
     def __init__(self, context: MethodContext, epsilon_s: float) -> None:
@@ -35,43 +39,45 @@ class EventHistory:
             lambda: {person: [] for person in context.cast}
         )
         self.schedule = nominal_times(context, 0)
-        """(K,) the last schedule, after beat 0 [s]; nominal beats until an iteration has been learnt."""
 
     def add(self, event: Event) -> None:
-        """Remember an event."""
+        """Add an event; early ones and those of unknown persons are ignored."""
         if event.early or event.person not in self._context.cast:
             return
-        after = event.t_s - self._context.iteration_start_s[event.iteration]
-        self._events[event.iteration][event.person].append((after, event.kind))
+        after_s = event.t_s - self._context.iteration_start_s[event.iteration]
+        self._events[event.iteration][event.person].append((after_s, event.kind))
 
     def series(self, iteration: int) -> dict[str, Series]:
-        """Times after beat 0 [s] and kinds of every member of the cast; empty where nothing was seen."""
+        """Times after beat 0 [s] and kinds of the events of each dancer; empty for a dancer without events."""
         return {
             person: ([time for time, _ in events], [kind for _, kind in events])
             for person, events in self._events[iteration].items()
         }
 
-    def times(self, iteration: int) -> Array:
-        """(D, K) time of each step by each member of the cast, after beat 0 [s], NaN where missing."""
+    def step_times(self, iteration: int) -> Array:
+        """(D, K) time of each step by each dancer after beat 0 [s], NaN where missing."""
         nominal = nominal_times(self._context, iteration)
-        rows = [
-            match_to_steps(times, kinds, self._context.steps, nominal)
-            for times, kinds in self.series(iteration).values()
-        ]
+        steps = self._context.steps
+        rows = [match_to_steps(times, kinds, steps, nominal) for times, kinds in self.series(iteration).values()]
         return np.array(rows)
 
-    def learn(self, iteration: int) -> tuple[bool, ...]:
-        """Turn an iteration's events into the schedule of the next one.
+    def update_schedule(self, iteration: int) -> tuple[bool, ...]:
+        """Update the schedule with an iteration's events.
 
-        A step that fewer than two dancers did together (or, in a group of one, that nobody did) keeps its last
-        time.
+        A step gets the mean time of those who did it together. It keeps its last time if fewer than two dancers did;
+        with one dancer in the cast, if nobody did.
+
+        Args:
+            iteration: the iteration that has ended.
 
         Returns:
             for each step whether its time is new.
 
-        Source: iqbal2016, section III-B.
+        Source: iqbal2016, section III-B; the mean is taken over those who were detected, where the paper divides by 3.
         """
-        ideal = ideal_times(self.times(iteration), self._epsilon_s, min(2, len(self._context.cast)))
-        fresh = np.isfinite(ideal)
-        self.schedule = np.where(fresh, ideal, self.schedule)
-        return tuple(bool(new) for new in fresh)
+        min_members = min(2, len(self._context.cast))
+        ideal = ideal_times(self.step_times(iteration), self._epsilon_s, min_members)
+        updated = np.isfinite(ideal)
+        # A step without a new time keeps the last one: it is a better guess than the music.
+        self.schedule = np.where(updated, ideal, self.schedule)
+        return tuple(bool(item) for item in updated)

@@ -1,17 +1,16 @@
-"""The contract of an anticipation method, and how to write one.
+"""The protocol of an anticipation method, how to write one, and how one is built from its name and options.
 
-A method decides when the robot performs each of the context's steps. It is told of events as they reach the server,
-of the iterations' beginnings and ends, and of timers it asked for, and answers with values:
+A method decides when the robot performs each step of the dance. The session calls its hooks: when an event reaches
+the server, when an iteration begins or ends, and when a timer is due that the method has set. A hook returns actions:
 
-- `ScheduleCommand`: send the command for a step at a session time; a later one for the same step replaces it, and a
-  time that has passed means at once. Once a command is sent its step is over.
-- `CancelCommand`: do not send that step's command after all.
-- `SetTimer`: call ``on_timer`` at a session time, which must lie in the future.
+- `ScheduleCommand`: send the command for a step at a session time. A later action for the same step replaces it, and
+  a time that has passed means at once. Once a command has been sent, its step is over.
+- `CancelCommand`: do not send the scheduled command of a step.
+- `SetTimer`: call ``on_timer`` at a session time in the future.
 
-A method that follows some dancers rather than all of them says whom with `Follower.follows`: the paper's edges of the
-group depend on it, and the net latency. Nothing else is needed: no clock, no polling, no knowledge of links or of the
-robot's speed. To write a method, put a class with the five methods below in a file of this room, with a frozen
-dataclass of its options::
+A method that follows some of the dancers says whom with `Follower.follows`; the group's graph and the net latency are
+computed from it. A method needs no clock, no polling, and no knowledge of links or of the robot's speed. To write one,
+put a class with the five methods of `Method` in a file of this folder, with a frozen dataclass of its options::
 
     @register("anticipation", "echo", config=EchoConfig)
     class Echo:
@@ -22,9 +21,9 @@ dataclass of its options::
         def on_iteration_end(self, iteration, t_s): return ()
         def on_timer(self, t_s): return ()
 
-or keep it in a module of your own (``--method my_module:Echo``; options then come from the class attribute
-``config_type``, if there is one). ``reset`` must put the method back into the state of a new one. A method never
-sees the truth or the dancers' plan: events and the context are all there is.
+or keep it in a module of your own and name it ``--method my_module:Echo``; the class attribute ``config_type`` then
+names the dataclass of its options, if it has any. ``docs/examples/follow_first.py`` is a complete one. ``reset`` must
+restore the state of a new object. A method never sees ground truth or the dancers' plan, only events and its context.
 """
 
 from __future__ import annotations
@@ -42,17 +41,34 @@ from ..core.errors import ConfigError, HookError, PluginError, SjasimError, Unkn
 from ..core.method_io import MethodAction, MethodContext
 from ..core.registry import resolve
 
+HOOKS = {
+    "reset": ("context", "rng"),
+    "on_event": ("event",),
+    "on_iteration_start": ("iteration", "t_s"),
+    "on_iteration_end": ("iteration", "t_s"),
+    "on_timer": ("t_s",),
+}
+"""Methods that every anticipation method has, and their arguments."""
+
 
 @runtime_checkable
 class Method(Protocol):
-    """What the session calls; every hook answers at once and may answer nothing."""
+    """An anticipation method; every hook returns its actions at once, or an empty sequence."""
 
     def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
-        """Begin a dance: forget everything, remember the context; ``rng`` is the method's own random stream."""
+        """Prepare for a dance: forget the last one.
+
+        Args:
+            context: cast, steps and times of the dance.
+            rng: the method's own random stream.
+        """
         ...
 
     def on_event(self, event: Event) -> Sequence[MethodAction]:
-        """An event has reached the server, at ``event.t_arrival_s``; in order of arrival, not of ``t_s``."""
+        """An event has reached the server, at ``event.t_arrival_s``.
+
+        Events come in order of arrival, which is not always the order of their times ``t_s``.
+        """
         ...
 
     def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
@@ -60,59 +76,62 @@ class Method(Protocol):
         ...
 
     def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
-        """An iteration's window has closed; the next one's first events may come before its beat 0."""
+        """The end of an iteration's window; the first events of the next one may come before its beat 0."""
         ...
 
     def on_timer(self, t_s: float) -> Sequence[MethodAction]:
-        """A time asked for with `SetTimer` has come."""
+        """A time that the method has set with `SetTimer` has come."""
         ...
 
 
 @runtime_checkable
 class Follower(Protocol):
-    """What a method may have besides."""
+    """Optional part of an anticipation method: one that follows some of the dancers says whom."""
 
     def follows(self, iteration: int) -> tuple[str, ...] | None:
-        """Whom the robot follows in an iteration that begins; empty for nobody, None for everyone."""
+        """Whom the robot follows in an iteration that begins: names of dancers, () for nobody, None for everyone."""
         ...
 
 
 def build_method(name: str, options: Mapping[str, float | int | bool | str] | None = None) -> Method:
-    """Make a method from its name and options.
+    """Build a method from its name and options.
 
     Args:
         name: a registered name or ``module:Class``.
-        options: fields of the method's config; what is missing keeps its default.
+        options: fields of the method's options; those left out keep their defaults.
 
     Raises:
         UnknownNameError: nothing is registered under the name.
-        ConfigError: an option the method does not have, or a value it does not allow.
-        PluginError: the object lacks one of the contract's methods, or something cannot be called as it has to be.
-        HookError: the object's own code failed.
+        ConfigError: the method has no such option, or does not allow the value.
+        PluginError: the object lacks one of the hooks, or a hook does not accept its arguments.
+        HookError: the method's own code failed.
     """
     try:
         entry = resolve("anticipation", name)
     except UnknownNameError as error:
         raise UnknownNameError("anticipation", name, (*error.known, HUMANS_ONLY)) from None
+
     given = dict(options or {})
     if entry.config is None:
         if given:
             raise ConfigError("method_options", given, f"nothing: {name!r} has no options")
-        method = _made(name, entry.factory)
+        method = _instantiate(name, entry.factory)
     else:
-        method = _made(name, entry.factory, _options(name, entry.config, given))
+        method = _instantiate(name, entry.factory, _build_options(name, entry.config, given))
+
     if not isinstance(method, Method):
         missing = [hook for hook in HOOKS if not callable(getattr(method, hook, None))]
         raise PluginError(f"anticipation {name!r} lacks {', '.join(missing)}")
     for hook, arguments in HOOKS.items():
-        _check_call(f"{name}.{hook}", getattr(method, hook), arguments)
+        _check_signature(f"{name}.{hook}", getattr(method, hook), arguments)
     return method
 
 
-def _options(name: str, config: type, given: Mapping[str, object]) -> object:
-    """The method's options, of its own dataclass."""
+def _build_options(name: str, config: type, given: Mapping[str, object]) -> object:
+    """An instance of the method's options dataclass."""
     if not dataclasses.is_dataclass(config):
         raise PluginError(f"anticipation {name!r}: its config_type, {config!r}, is not a dataclass")
+
     fields = {field.name: field for field in dataclasses.fields(config)}
     unknown = [key for key in given if key not in fields]
     if unknown:
@@ -124,45 +143,36 @@ def _options(name: str, config: type, given: Mapping[str, object]) -> object:
     ]
     if missing:
         raise ConfigError("method_options", dict(given), f"{name!r} needs {', '.join(missing)}")
-    return _guarded(name, lambda: config(**given))
+
+    return _call_plugin(name, lambda: config(**given))
 
 
-def _made(name: str, factory: Callable[..., object], *options: object) -> object:
-    """A new method."""
-    _check_call(name, factory, ("config",) if options else ())
-    return _guarded(name, lambda: factory(*options))
+def _instantiate(name: str, factory: Callable[..., object], *options: object) -> object:
+    """A new object of the method's class."""
+    _check_signature(name, factory, ("config",) if options else ())
+    return _call_plugin(name, lambda: factory(*options))
 
 
-def _guarded(name: str, make: Callable[[], object]) -> object:
-    """What the user's own code makes, or an error that names it and has the code's own as its cause."""
+def _call_plugin(name: str, call: Callable[[], object]) -> object:
+    """Result of a call into the user's own code; its exceptions become a `HookError` that names the method."""
     try:
-        return make()
+        return call()
     except SjasimError:
         raise
     except Exception as error:
         raise HookError(f"{name} cannot be made: {type(error).__name__}: {error}") from error
 
 
-def _check_call(name: str, function: Callable[..., object], arguments: Sequence[str]) -> None:
-    """Refuse what cannot be called with these arguments, in their order."""
+def _check_signature(name: str, function: Callable[..., object], arguments: Sequence[str]) -> None:
+    """Raise a `PluginError` if a function cannot be called with these positional arguments."""
     try:
         signature = inspect.signature(function)
-    except ValueError:  # some built-in ones do not tell
+    except ValueError:  # some built-in functions have no signature
         return
     try:
         signature.bind(*arguments)
     except TypeError as error:
+        hint = "" if arguments else "; options come from the class attribute config_type"
         raise PluginError(
-            f"{name} is called with ({', '.join(arguments)}), but takes {signature}: {error}"
-            + ("; options come from the class attribute config_type" if not arguments else "")
+            f"{name} is called with ({', '.join(arguments)}), but takes {signature}: {error}{hint}"
         ) from None
-
-
-HOOKS = {
-    "reset": ("context", "rng"),
-    "on_event": ("event",),
-    "on_iteration_start": ("iteration", "t_s"),
-    "on_iteration_end": ("iteration", "t_s"),
-    "on_timer": ("t_s",),
-}
-"""The contract's methods and their arguments."""

@@ -1,4 +1,4 @@
-"""Methods that bracket the others: what can be had without perceiving anyone."""
+"""Metronome: the robot dances the score to the music and ignores the dancers, a baseline for the other methods."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class MetronomeConfig:
     """Options of the metronome.
 
     Attributes:
-        lead_s: how long before its beat a command is sent; larger makes the robot earlier.
+        lead_s: how long before its beat a command is sent [s]; a larger value makes the robot earlier.
     """
 
     lead_s: float = LEAD_S
@@ -28,20 +28,23 @@ class MetronomeConfig:
 
 @register("anticipation", "metronome", config=MetronomeConfig)
 class Metronome(ScheduledMethod):
-    """The robot dances the score to the music and perceives nobody.
+    """Schedules every step at its beat in the music, whatever the dancers do.
 
     Args:
-        config: its options.
+        config: options.
     """
 
     def __init__(self, config: MetronomeConfig = MetronomeConfig()) -> None:
         self._config = config
 
-    def _schedule(self, iteration: int) -> Sequence[MethodAction]:
+    def _schedule_iteration(self, iteration: int) -> Sequence[MethodAction]:
+        """One command for each step, ``lead_s`` before its beat."""
         return tuple(
             ScheduleCommand(
-                iteration, step.ordinal, self._context.time_s(iteration, step.beat) - self._config.lead_s,
+                iteration,
+                step.ordinal,
+                self._context.time_s(iteration, step.beat) - self._config.lead_s,
                 f"beat {step.beat:g}",
             )
             for step in self._context.steps
-        )  # fmt: skip
+        )

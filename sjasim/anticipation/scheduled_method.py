@@ -1,4 +1,4 @@
-"""Methods that schedule an iteration as a whole when the one before it closes."""
+"""Base class of methods that schedule a whole iteration at the end of the one before it."""
 
 from __future__ import annotations
 
@@ -11,40 +11,49 @@ from ..core import Event
 from ..core.method_io import MethodAction, MethodContext
 
 LEAD_S = 0.15
-"""How long before a scheduled time the command is sent [s]; assumed: the pilots of iqbal2016 measured the robot's
-latency, so its builders knew it, but the paper gives no figure."""
+"""How long before a scheduled time the command is sent, to make up for the robot's latency [s].
+
+Assumed: in the pilot studies of iqbal2016 the latency of the robot was measured, but the paper gives no figure.
+"""
 
 
 class ScheduledMethod(ABC):
-    """Schedules each danced iteration once: at the close of the one before it, else at its own beat 0."""
+    """Schedules each danced iteration once: at the end of the iteration before it, or else at its own beat 0.
+
+    A subclass implements `_schedule_iteration`, and overrides the hooks that it needs besides.
+    """
 
     def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
-        """Begin a dance."""
+        """Prepare for a dance: forget the last one."""
         self._context = context
-        self._scheduled = 0
+        self._scheduled_iteration = 0
+        """The last iteration that has been scheduled; 0 for none."""
 
     def on_event(self, event: Event) -> Sequence[MethodAction]:
-        """Deaf, unless a method says otherwise."""
+        """Ignore events; subclasses may override this."""
         return ()
 
     def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
-        """Schedule an iteration that has nothing before it (no rehearsal)."""
-        return () if iteration <= self._scheduled else self._next_schedule(iteration)
+        """Schedule the iteration if no iteration came before it (a dance without rehearsal)."""
+        if iteration <= self._scheduled_iteration:
+            return ()
+        return self._schedule_once(iteration)
 
     def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
         """Schedule the next iteration."""
-        return self._next_schedule(iteration + 1)
+        return self._schedule_once(iteration + 1)
 
     def on_timer(self, t_s: float) -> Sequence[MethodAction]:
-        """No timers."""
+        """Do nothing; subclasses that set timers override this."""
         return ()
 
-    def _next_schedule(self, iteration: int) -> Sequence[MethodAction]:
+    def _schedule_once(self, iteration: int) -> Sequence[MethodAction]:
+        """Actions for an iteration; none for the rehearsal and after the last iteration."""
         if not 1 <= iteration <= self._context.iterations:
             return ()
-        self._scheduled = iteration
-        return self._schedule(iteration)
+        self._scheduled_iteration = iteration
+        return self._schedule_iteration(iteration)
 
     @abstractmethod
-    def _schedule(self, iteration: int) -> Sequence[MethodAction]:
-        """Answers for an iteration that is danced; called once for each, in order."""
+    def _schedule_iteration(self, iteration: int) -> Sequence[MethodAction]:
+        """Actions that schedule an iteration; called once for each danced iteration, in order."""

@@ -1,6 +1,16 @@
-"""Synchronisation index-based anticipation: the robot follows the most synchronous dancer of the last iteration.
+"""Synchronisation index-based anticipation (SIA): the robot follows the most synchronous dancer of the last iteration.
 
-Source: iqbal2016, section III-A.
+Source: iqbal2016, section III-A. Where its statements are found:
+
+- "at the beginning of each iteration we measured the most synchronous person of the group": `Sia._select_leader`, with
+  the individual index of eqs. (1) to (6) in `synchrony.most_synchronous`.
+- "during the next iteration the server will track all movements of MSP": `Sia.on_event`.
+- "close to the timing of events of MSP": the window around their last time of it, `SiaConfig.window_s`.
+- "the server received early detected events: [it] sent appropriate commands to the robot": `Sia._follow_event`.
+- "excluding the clap event": an early clap triggers nothing; the regular clap does.
+
+The paper does not say what happens when an expected event does not come, when the leader is ahead, when indices are
+tied, or before a dancer has been chosen. These rules are ours, and described at `Sia`.
 """
 
 from __future__ import annotations
@@ -14,38 +24,48 @@ from ..core import Array, Event, Kind
 from ..core.errors import ConfigError
 from ..core.method_io import CancelCommand, MethodAction, MethodContext, ScheduleCommand, SetTimer
 from ..core.registry import register
-from .eca import scheduled
+from .eca import schedule_from_history
 from .event_history import EventHistory
 from .scheduled_method import LEAD_S, ScheduledMethod
 from .synchrony import most_synchronous
 from .timing_appropriateness import EPSILON_S
 
 STARTS = (Kind.START_FORWARD, Kind.START_BACKWARD)
-FIRST = (Kind.START_FORWARD, Kind.CLAP)
-"""Steps with which something new begins; every other one goes on from the one before it."""
+"""Events with which a move starts."""
 
-HOLD_S = 0.15
-"""Shortest pause between two moves that the robot makes without anybody to follow [s] (assumed)."""
+PHRASE_STARTS = (Kind.START_FORWARD, Kind.CLAP)
+"""Events with which a phrase starts; every other event continues the phrase of the event before it.
 
-SHORTEST = 0.5
-"""Least share of its length in which the robot dances a phrase that it began too late (assumed)."""
+A phrase is a move forward and the move back to the slot.
+"""
+
+MIN_PAUSE_S = 0.15
+"""Shortest pause between two moves that the robot makes without the leader [s] (assumed)."""
+
+MIN_PHRASE_SHARE = 0.5
+"""Least share of its planned length to which a phrase that began too late is shortened (assumed)."""
+
+_NO_STEP = -2
+"""Stands for "no step has been followed"; the step after it is no step either."""
 
 
 @dataclass(frozen=True, slots=True)
 class SiaConfig:
-    """Options of SIA. How many early frames make an early event is the detector's option, not the method's.
+    """Options of SIA. How many early frames make an early event is an option of the detector.
 
     Attributes:
-        window_s: an event is followed within this distance of the same event one iteration ago; narrower misses
-            a group that starts early or late together, wider follows false events (assumed: iqbal2016 says
-            "close to"; below 1.5 s many events fall out).
-        clap_wait_s: a turn waits so long past its scheduled time for the dancer's clap, which nothing announces
-            (assumed: iqbal2016 excludes claps from the early events and does not say what replaces one); as long as
-            the window it ends beyond the iteration's own.
-        first_followed_iteration: first iteration in which a dancer is followed; before it the schedule is ECA's.
-        lead_s: how long before a scheduled time a command is sent; larger makes unfollowed moves earlier.
-        epsilon_s: as in ECA.
-        edges: the robot's outgoing edges while it follows nobody: ``none`` or ``all`` (`Sia.follows`).
+        window_s: an event is followed if it is this close to the leader's same event of the last iteration [s]. With a
+            smaller value a group that starts early or late together is missed, with a larger one false events are
+            followed (assumed: iqbal2016 says "close to"; below 1.5 s many events are missed).
+        clap_wait_s: how long beyond its scheduled time a turn waits for the leader's clap [s] (assumed: iqbal2016
+            excludes claps from the early events). With a wait as long as the window, the turn would end after the
+            iteration's own window.
+        first_followed_iteration: first iteration in which a dancer is followed; earlier ones are scheduled as in ECA.
+        lead_s: how long before a scheduled time a command is sent [s]; a larger value makes moves without a leader
+            earlier.
+        epsilon_s: as in ECA [s].
+        edges: the robot's outgoing edges in the group's graph while it follows nobody: ``none`` or ``all``, see
+            `Sia.follows`.
     """
 
     window_s: float = 2.0
@@ -71,218 +91,304 @@ class SiaConfig:
 
 @register("anticipation", "sia", config=SiaConfig)
 class Sia(ScheduledMethod):
-    """SIA: chooses the most synchronous dancer when an iteration closes, and follows them through the next one.
+    """Selects the most synchronous dancer, the leader, when an iteration ends, and follows them through the next one.
 
-    Only the next unresolved step is listened for. An early event of the followed dancer triggers it, else their
-    regular event, within the window around the same dancer's time one iteration ago (the schedule's, where they
-    lack it); what goes on from a step that was followed needs no window: a dancer who takes the whole phrase three
-    seconds early is followed through it. A clap has no early event. If the window closes with neither, the scheduled
-    command is used, at once if its time has passed, and the decision says ``fallback``. If meanwhile a regular event
-    shows that the dancer is past the step, a stop or turn falls back at once. A move that is over when its stop is seen
-    is made at once, as long as the schedule has it, if it will be over before the dancer is expected to do the next
-    thing; else it is passed over.
+    **Following.** The steps of an iteration are resolved in order; only the next unresolved step is listened for. An
+    early event of the leader triggers it, or else their regular event, if it lies in the window around their time in
+    the last iteration (around the scheduled time if they have none). A step that continues a followed one needs no
+    window: a leader who dances the whole phrase three seconds early is followed through it.
 
-    A move back falls back in time to be over before the dancer is expected to do the next thing. When a start falls
-    back, its dancer has left out a whole phrase: the rest of it, to where the robot came from, is scheduled at once,
-    not each step at the close of its own window, which would leave no time before the turn; it is made shorter if it
-    would otherwise not be over in time. Whoever comes back is waited for again.
+    **Fallback.** If the window closes without an event, the scheduled command is sent, at once if its time has passed,
+    and the decision log says ``fallback``. A move back falls back in time to end before the leader is expected to do
+    the next thing. When the start of a move falls back, the leader has left out a phrase: the rest of it is scheduled
+    at once and shortened if it would not end in time, because waiting for the windows of its steps would leave no time
+    before the turn. The steps ahead get their own fallbacks again when the leader comes back within the phrase.
+
+    **A leader who is ahead.** If a regular event shows that the leader is past the next step, a stop or turn falls
+    back at once. A move whose stop is the first that is detected of it is made late, if it will be over before the
+    leader is expected to do the next thing; else it is skipped.
 
     Args:
-        config: its options.
+        config: options.
     """
 
     def __init__(self, config: SiaConfig = SiaConfig()) -> None:
         self._config = config
 
     def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
-        """Begin a dance."""
+        """Prepare for a dance: forget the last one."""
         super().reset(context, rng)
+        count = len(context.steps)
         self._history = EventHistory(context, self._config.epsilon_s)
-        self._chosen: dict[int, str] = {}
-        self._before: str | None = None
+
+        self._msp: dict[int, str] = {}
+        """Iteration -> its most synchronous person."""
+        self._previous_msp: str | None = None
+        """Most synchronous person of the last iteration with events; decides ties."""
         self._leader = ""
-        self._note = ""
+        """The dancer who is followed at present, or ""."""
+        self._leader_note = ""
+        """The leader and why they lead, in words for the decision log."""
+
         self._start_s = 0.0
-        self._next = len(context.steps)
-        self._reference: Array = np.zeros(len(context.steps))
-        self._close: Array = np.zeros(len(context.steps))
-        self._planned: tuple[ScheduleCommand, ...] = ()
+        """Session time of the iteration's beat 0; the two arrays below are relative to it [s]."""
+        self._expected_s: Array = np.zeros(count)
+        """(K,) when the leader is expected to do each step [s]."""
+        self._window_end_s: Array = np.zeros(count)
+        """(K,) when the window of each step closes [s]."""
+
+        self._next_step = count
+        """Ordinal of the next unresolved step; all smaller ones are resolved."""
+        self._last_followed = _NO_STEP
+        """Ordinal of the last step that an event of the leader triggered."""
+
+        self._predicted: tuple[ScheduleCommand, ...] = ()
+        """Commands at the times that ECA predicts."""
         self._fallbacks: tuple[ScheduleCommand, ...] = ()
-        self._followed = -2
-        self._alone: dict[float, int] = {}
-        self._hurried: dict[int, float] = {}
+        """Commands for the case that no event of the leader comes."""
+        self._start_timers: dict[float, int] = {}
+        """Session time at which a start falls back [s] -> its ordinal, while it is unresolved."""
+        self._completion_s: dict[int, float] = {}
+        """Ordinal -> session time of the steps that are scheduled to complete a phrase without the leader [s]."""
 
     def follows(self, iteration: int) -> tuple[str, ...] | None:
-        """The dancer chosen when the last iteration closed; before `SiaConfig.first_followed_iteration` nobody, or everyone."""
-        if iteration >= self._config.first_followed_iteration and iteration - 1 in self._chosen:
-            return (self._chosen[iteration - 1],)
+        """The dancer whom the robot follows in an iteration: the most synchronous one of the iteration before.
+
+        Before `SiaConfig.first_followed_iteration` it is nobody, or with ``edges = all`` everyone (None).
+
+        Source: iqbal2016, section VI-A, on the robot's edges.
+        """
+        if iteration >= self._config.first_followed_iteration and iteration - 1 in self._msp:
+            return (self._msp[iteration - 1],)
         return () if self._config.edges == "none" else None
 
     def on_event(self, event: Event) -> Sequence[MethodAction]:
-        """Remember, and follow if it is the leader's and expected."""
+        """Add the event to the history, and act on it if it is the leader's and expected."""
         self._history.add(event)
         if event.person != self._leader or (event.early and event.kind == Kind.CLAP):
             return ()
-        self._pass_closed(event.t_arrival_s)
-        after = event.t_s - self._start_s
-        step = self._next if self._goes_on(event.kind) else self._step_of(event.kind, after)
-        if step is None or step < self._next:
+        self._skip_closed_steps(event.t_arrival_s)
+
+        # An event belongs to the next step if it continues a followed one, else to the step expected nearest in time.
+        after_s = event.t_s - self._start_s
+        step = self._next_step if self._continues_followed_step(event.kind) else self._nearest_step(event.kind, after_s)
+        if step is None or step < self._next_step:
             return ()
-        if step == self._next:
-            return (self._follow(event), *self._wait_again())
-        if event.early or after < self._reference[self._next]:
+        if step == self._next_step:
+            return (self._follow_event(event), *self._restore_fallbacks())
+
+        # The leader is ahead. An early event, or one before the next step is expected, is too little evidence of it.
+        if event.early or after_s < self._expected_s[self._next_step]:
             return ()
-        over = self._context.steps[step - 1].kind in STARTS
-        skipped = [self._pass_over(event) for _ in range(step - self._next - over)]
-        return (*skipped, *(self._make_late(event) if over else (self._follow(event),)))
+        is_stop_of_missed_move = self._context.steps[step - 1].kind in STARTS
+        skipped = [self._skip_step(event) for _ in range(step - self._next_step - is_stop_of_missed_move)]
+        if is_stop_of_missed_move:
+            return (*skipped, *self._schedule_late_move(event))
+        return (*skipped, self._follow_event(event))
 
     def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
-        """Let go of the dancer that was followed, and prepare the next iteration."""
+        """Stop following the leader, and schedule the next iteration."""
         self._leader = ""
         return super().on_iteration_end(iteration, t_s)
 
-    def _schedule(self, iteration: int) -> Sequence[MethodAction]:
-        self._choose(iteration - 1)
-        intentions = scheduled(self._context, self._history, iteration, self._config.lead_s)
-        if iteration < self._config.first_followed_iteration:
-            return intentions
-        self._leader = self._chosen[iteration - 1]
-        own = self._history.times(iteration - 1)[self._context.cast.index(self._leader)]
-        self._reference = np.where(np.isfinite(own), own, self._history.schedule)
-        self._start_s = self._context.iteration_start_s[iteration]
-        end = self._context.window_end_s[iteration] - self._start_s
-        self._close = np.minimum(self._reference + self._config.window_s, end)
-        for plan, then in zip(intentions, (*intentions[1:], None), strict=True):
-            step, latest = plan.ordinal, np.inf
-            kind = self._context.steps[step].kind
-            if kind is Kind.CLAP:
-                latest = plan.t_s - self._start_s + self._config.clap_wait_s
-            elif kind in STARTS and kind not in FIRST and then is not None:
-                latest = max(self._reference[step], self._expected(step + 2) - HOLD_S - (then.t_s - plan.t_s))
-            self._close[step] = min(self._close[step], latest)
-        self._next, self._followed = 0, -2
-        self._planned = intentions
-        why = f"fallback: no event within {self._config.window_s:g} s of the time expected of {self._note}"
-        fallbacks = tuple(
-            replace(plan, t_s=self._start_s + min(max(close, plan.t_s - self._start_s), end), why=why, last_resort=True)
-            for plan, close in zip(intentions, self._close.tolist(), strict=True)
-        )
-        starts = [step.ordinal for step in self._context.steps if step.kind in STARTS]
-        self._alone = {fallbacks[ordinal].t_s: ordinal for ordinal in starts}
-        self._fallbacks, self._hurried = fallbacks, {}
-        return (*fallbacks, *map(SetTimer, self._alone))
-
     def on_timer(self, t_s: float) -> Sequence[MethodAction]:
-        """A start's window has closed: go on alone if nobody was followed, and the start is not made already."""
-        begun = self._alone.pop(t_s, None)
-        if begun is None or not self._leader or self._hurried.get(begun, np.inf) <= t_s:
+        """Complete the phrase of a start that has just fallen back.
+
+        Nothing happens if the start was resolved in the meantime, or has been made already to complete a phrase.
+        """
+        start = self._start_timers.pop(t_s, None)
+        if start is None or not self._leader or self._completion_s.get(start, np.inf) <= t_s:
             return ()
-        self._next = max(self._next, begun + 1)
-        return self._rest_of_phrase(begun, t_s)
+        self._next_step = max(self._next_step, start + 1)
+        return self._complete_phrase(start, t_s)
 
-    def _rest_of_phrase(self, begun: int, t_s: float) -> tuple[ScheduleCommand, ...]:
-        """The schedule up to the end of the phrase, moved on as far as a start that fell back needs it.
+    def _schedule_iteration(self, iteration: int) -> Sequence[MethodAction]:
+        """Select the leader, and schedule the fallback of every step."""
+        self._select_leader(iteration - 1)
+        predicted = schedule_from_history(self._context, self._history, iteration, self._config.lead_s)
+        if iteration < self._config.first_followed_iteration:
+            return predicted
 
-        Its pauses shrink to `HOLD_S`, and all of it to half at most, if it would not be over when the dancer is
-        expected to do the next thing.
+        # Steps that the leader missed, or that were not detected, are expected at the time that ECA predicts.
+        self._leader = self._msp[iteration - 1]
+        leader_s = self._history.step_times(iteration - 1)[self._context.cast.index(self._leader)]
+        self._expected_s = np.where(np.isfinite(leader_s), leader_s, self._history.schedule)
+        self._start_s = self._context.iteration_start_s[iteration]
+        self._predicted = predicted
+        self._window_end_s = self._window_ends(iteration)
+        self._next_step = 0
+        self._last_followed = _NO_STEP
+
+        self._fallbacks = self._fallback_commands(iteration)
+        starts = [step.ordinal for step in self._context.steps if step.kind in STARTS]
+        self._start_timers = {self._fallbacks[ordinal].t_s: ordinal for ordinal in starts}
+        self._completion_s = {}
+        return (*self._fallbacks, *map(SetTimer, self._start_timers))
+
+    def _select_leader(self, iteration: int) -> None:
+        """Determine the most synchronous dancer of an iteration that has ended.
+
+        Source: iqbal2016, section III-A.3: "The person with the highest individual synchronization index during an
+        iteration is considered the most synchronous person of the group".
+        """
+        series = self._history.series(iteration)
+        # The window tau of a coincidence is that of the session's own metrics, which report the same person.
+        choice = most_synchronous(series, self._previous_msp, self._context.tau_s)
+        self._msp[iteration] = choice.person
+        # Without events everyone is tied at 0, which says nothing about the next tie.
+        if any(kinds for _, kinds in series.values()):
+            self._previous_msp = choice.person
+
+        others = ", ".join(name for name in choice.tied if name != choice.person)
+        self._leader_note = f"{choice.person}, most synchronous in iteration {iteration}"
+        if others:
+            self._leader_note += f" (tie with {others})"
+
+    def _window_ends(self, iteration: int) -> Array:
+        """(K,) when to stop waiting for the leader's event of each step, after beat 0 [s]."""
+        iteration_end_s = self._context.window_end_s[iteration] - self._start_s
+        ends_s = np.minimum(self._expected_s + self._config.window_s, iteration_end_s)
+
+        for command, following in zip(self._predicted, (*self._predicted[1:], None), strict=True):
+            step = command.ordinal
+            kind = self._context.steps[step].kind
+            latest_s = np.inf
+            if kind is Kind.CLAP:
+                latest_s = command.t_s - self._start_s + self._config.clap_wait_s
+            elif kind is Kind.START_BACKWARD and following is not None:
+                # The move back must be over before the leader starts the next phrase, two steps later.
+                duration_s = following.t_s - command.t_s
+                latest_s = max(self._expected_s[step], self._expected_time_s(step + 2) - MIN_PAUSE_S - duration_s)
+            ends_s[step] = min(ends_s[step], latest_s)
+        return ends_s
+
+    def _fallback_commands(self, iteration: int) -> tuple[ScheduleCommand, ...]:
+        """One command for each step at the end of its window, or at its predicted time if that is later."""
+        iteration_end_s = self._context.window_end_s[iteration] - self._start_s
+        why = f"fallback: no event within {self._config.window_s:g} s of the time expected of {self._leader_note}"
+        return tuple(
+            replace(
+                command,
+                t_s=self._start_s + min(max(end_s, command.t_s - self._start_s), iteration_end_s),
+                why=why,
+                last_resort=True,
+            )
+            for command, end_s in zip(self._predicted, self._window_end_s.tolist(), strict=True)
+        )
+
+    def _complete_phrase(self, start: int, t_s: float) -> tuple[ScheduleCommand, ...]:
+        """Commands for the rest of a phrase whose start has fallen back, delayed as far as the start was.
+
+        Pauses shrink to `MIN_PAUSE_S`. If the phrase would not be over when the leader is expected to do the next
+        thing, all of it shrinks, at most to `MIN_PHRASE_SHARE`.
 
         Args:
-            begun: ordinal of that start.
-            t_s: when its command was sent [s].
+            start: ordinal of the start.
+            t_s: session time at which its command was sent [s].
         """
         rest: list[int] = []
-        times = [t_s]
-        for step in self._context.steps[begun + 1 :]:
-            if step.kind in FIRST:
+        times_s = [t_s]
+        for step in self._context.steps[start + 1 :]:
+            if step.kind in PHRASE_STARTS:
                 break
-            plan, before = self._planned[step.ordinal], self._planned[step.ordinal - 1]
-            times.append(max(plan.t_s, times[-1] + (HOLD_S if step.kind in STARTS else plan.t_s - before.t_s)))
+            command = self._predicted[step.ordinal]
+            before = self._predicted[step.ordinal - 1]
+            gap_s = MIN_PAUSE_S if step.kind in STARTS else command.t_s - before.t_s
+            times_s.append(max(command.t_s, times_s[-1] + gap_s))
             rest.append(step.ordinal)
-        left_s = self._start_s + self._expected(begun + len(times)) - HOLD_S - t_s
-        share = min(1.0, max(SHORTEST, left_s / (times[-1] - t_s)))
-        hurried = [t_s + share * (time - t_s) for time in times[1:]]
-        self._hurried.update(zip(rest, hurried, strict=True))
-        why = f"fallback: {self._context.steps[begun].kind.value} was made without {self._note}"
+
+        left_s = self._start_s + self._expected_time_s(start + len(times_s)) - MIN_PAUSE_S - t_s
+        share = min(1.0, max(MIN_PHRASE_SHARE, left_s / (times_s[-1] - t_s)))
+        shortened_s = [t_s + share * (time_s - t_s) for time_s in times_s[1:]]
+        self._completion_s.update(zip(rest, shortened_s, strict=True))
+
+        why = f"fallback: {self._context.steps[start].kind.value} was made without {self._leader_note}"
         return tuple(
-            ScheduleCommand(self._scheduled, ordinal, time, why) for ordinal, time in zip(rest, hurried, strict=True)
+            ScheduleCommand(self._scheduled_iteration, ordinal, time_s, why)
+            for ordinal, time_s in zip(rest, shortened_s, strict=True)
         )
 
-    def _expected(self, step: int) -> float:
-        """When the dancer is expected to do a step, after beat 0 [s]; after an iteration's last one nothing presses."""
-        return float(self._reference[step]) if step < len(self._reference) else np.inf
+    def _expected_time_s(self, step: int) -> float:
+        """When the leader is expected to do a step, after beat 0 [s]; infinite after the iteration's last step."""
+        return float(self._expected_s[step]) if step < len(self._expected_s) else np.inf
 
-    def _choose(self, iteration: int) -> None:
-        series = self._history.series(iteration)
-        choice = most_synchronous(series, self._before, self._context.tau_s)
-        self._chosen[iteration] = choice.person
-        if any(kinds for _, kinds in series.values()):
-            self._before = choice.person
-        others = ", ".join(name for name in choice.tied if name != choice.person)
-        self._note = f"{choice.person}, most synchronous in iteration {iteration}"
-        if others:
-            self._note += f" (tie with {others})"
+    def _skip_closed_steps(self, now_s: float) -> None:
+        """Count steps whose window has closed as resolved: their fallbacks have been sent."""
+        count = len(self._window_end_s)
+        while self._next_step < count and now_s >= self._start_s + self._window_end_s[self._next_step]:
+            self._next_step += 1
 
-    def _pass_closed(self, now_s: float) -> None:
-        while self._next < len(self._close) and now_s >= self._start_s + self._close[self._next]:
-            self._next += 1
-
-    def _goes_on(self, kind: Kind) -> bool:
-        """Whether it goes on from the step that was followed just before: that needs no window."""
-        if self._followed != self._next - 1 or self._next == len(self._context.steps):
+    def _continues_followed_step(self, kind: Kind) -> bool:
+        """Whether an event of this kind continues the step that was followed just before, and so needs no window."""
+        if self._last_followed != self._next_step - 1 or self._next_step == len(self._context.steps):
             return False
-        return kind == self._context.steps[self._next].kind and kind not in FIRST
+        return kind == self._context.steps[self._next_step].kind and kind not in PHRASE_STARTS
 
-    def _step_of(self, kind: Kind, after_s: float) -> int | None:
-        """The step whose expected time is nearest, if the window holds the event."""
-        own = [(abs(self._reference[step.ordinal] - after_s), step.ordinal)
-               for step in self._context.steps if step.kind == kind]  # fmt: skip
-        distance, ordinal = min(own, default=(np.inf, -1))
-        return ordinal if distance <= self._config.window_s else None
+    def _nearest_step(self, kind: Kind, after_s: float) -> int | None:
+        """The step of this kind whose expected time is nearest; None if it is farther than the window."""
+        candidates = [
+            (abs(self._expected_s[step.ordinal] - after_s), step.ordinal)
+            for step in self._context.steps
+            if step.kind == kind
+        ]
+        distance_s, ordinal = min(candidates, default=(np.inf, -1))
+        return ordinal if distance_s <= self._config.window_s else None
 
-    def _wait_again(self) -> tuple[ScheduleCommand, ...]:
-        """The own fallbacks again of all steps ahead that were scheduled without a dancer who has just come back."""
-        if self._followed != self._next - 1 or self._next not in self._hurried:
+    def _restore_fallbacks(self) -> tuple[ScheduleCommand, ...]:
+        """The original fallbacks of the steps ahead, if the leader has just come back into a phrase."""
+        if self._last_followed != self._next_step - 1 or self._next_step not in self._completion_s:
             return ()
-        ahead = [step for step in self._hurried if step >= self._next]
+        ahead = [step for step in self._completion_s if step >= self._next_step]
         for step in ahead:
-            del self._hurried[step]
+            del self._completion_s[step]
         return tuple(self._fallbacks[step] for step in ahead)
 
-    def _settle(self) -> None:
-        """The next step has its answer: nothing is to be done alone."""
-        self._alone = {t_s: ordinal for t_s, ordinal in self._alone.items() if ordinal != self._next}
-        self._next += 1
+    def _resolve_next_step(self) -> None:
+        """Count the next step as resolved, and drop its timer if it has one."""
+        self._start_timers = {t_s: ordinal for t_s, ordinal in self._start_timers.items() if ordinal != self._next_step}
+        self._next_step += 1
 
-    def _follow(self, event: Event) -> ScheduleCommand:
-        step = self._context.steps[self._next]
-        self._followed = step.ordinal
-        self._settle()
-        why = f"{'early ' if event.early else ''}{event.kind.value} of {self._note}"
-        return ScheduleCommand(self._scheduled, step.ordinal, event.t_arrival_s, why, event.person)
+    def _follow_event(self, event: Event) -> ScheduleCommand:
+        """The command of the next step, at once.
 
-    def _make_late(self, event: Event) -> Sequence[MethodAction]:
-        """Answers for a move whose stop was the first that was seen of it."""
-        begun = self._next
-        start, stop = self._planned[begun : begun + 2]
+        Source: iqbal2016, section III-A.3, on the early detected events of the most synchronous person.
+        """
+        step = self._context.steps[self._next_step]
+        self._last_followed = step.ordinal
+        self._resolve_next_step()
+        why = f"{'early ' if event.early else ''}{event.kind.value} of {self._leader_note}"
+        return ScheduleCommand(self._scheduled_iteration, step.ordinal, event.t_arrival_s, why, event.person)
+
+    def _schedule_late_move(self, event: Event) -> Sequence[MethodAction]:
+        """Schedule start and stop of a move whose start was not detected, or skip both if there is no time for it."""
+        begun = self._next_step
+        start, stop = self._predicted[begun : begun + 2]
         ends_s = event.t_arrival_s + stop.t_s - start.t_s
-        after = self._reference[begun + 2 : begun + 3]
-        if ends_s + HOLD_S > self._start_s + (after[0] if len(after) else self._close[begun + 1]):
-            return [self._pass_over(event), self._pass_over(event, whole=True)]
-        self._settle()
-        self._settle()
-        why = f"made late: {event.kind.value} already seen of {self._note}"
+        following = self._expected_s[begun + 2 : begun + 3]
+        limit_s = following[0] if len(following) else self._window_end_s[begun + 1]
+        if ends_s + MIN_PAUSE_S > self._start_s + limit_s:
+            return [self._skip_step(event), self._skip_step(event, cancel=True)]
+
+        self._resolve_next_step()
+        self._resolve_next_step()
+        why = f"made late: {event.kind.value} already seen of {self._leader_note}"
         return [
-            ScheduleCommand(self._scheduled, begun, event.t_arrival_s, why),
-            ScheduleCommand(self._scheduled, begun + 1, ends_s, why),
+            ScheduleCommand(self._scheduled_iteration, begun, event.t_arrival_s, why),
+            ScheduleCommand(self._scheduled_iteration, begun + 1, ends_s, why),
         ]
 
-    def _pass_over(self, event: Event, *, whole: bool = False) -> MethodAction:
-        """Actions for a step that the leader is past; ``whole`` for the stop of a start that was passed over."""
-        step = self._context.steps[self._next]
-        self._settle()
-        if whole or step.kind in STARTS:
-            return CancelCommand(
-                self._scheduled, step.ordinal, f"passed over: {event.kind.value} already seen of {self._note}"
-            )
-        why = f"fallback: {event.kind.value} already seen of {self._note}"
-        return ScheduleCommand(self._scheduled, step.ordinal, event.t_arrival_s, why)
+    def _skip_step(self, event: Event, *, cancel: bool = False) -> MethodAction:
+        """Action for a step that the leader is past: cancel the start of a move, send a stop or turn at once.
+
+        Args:
+            event: what shows that the leader is past it.
+            cancel: cancel the step whatever its kind; for the stop of a start that was cancelled.
+        """
+        step = self._context.steps[self._next_step]
+        self._resolve_next_step()
+        if cancel or step.kind in STARTS:
+            why = f"passed over: {event.kind.value} already seen of {self._leader_note}"
+            return CancelCommand(self._scheduled_iteration, step.ordinal, why)
+
+        why = f"fallback: {event.kind.value} already seen of {self._leader_note}"
+        return ScheduleCommand(self._scheduled_iteration, step.ordinal, event.t_arrival_s, why)

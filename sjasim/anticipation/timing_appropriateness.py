@@ -1,7 +1,7 @@
-"""When an event ideally happens, given when the dancers did it, and how far off the robot was.
+"""Timing appropriateness: the ideal time of each step, from when the dancers did it, and the robot's distance from it.
 
-The same association serves ECA's schedule and the timing appropriateness: each event belongs to the nearest
-expected occurrence of its kind, so that one missing event never shifts the ones behind it.
+ECA's schedule and the timing appropriateness assign events to steps in the same way: an event belongs to the step of
+its kind whose expected time is nearest, so that one missing event does not shift the ones after it.
 
 Source: iqbal2016, sections III-B and VI-B.
 """
@@ -11,25 +11,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..core import Array, Kind
 from ..core.method_io import Step
-
-BoolArray = NDArray[np.bool_]
+from .coincidences import BoolArray
 
 EPSILON_S = 1.5
-"""Width of a cluster's links [s]; assumed, for iqbal2016 names epsilon without a value: wider than the spread of
-dancers who are together, and far below half of the 8.1 s between two events of a kind."""
+"""Largest gap between neighbouring times of one cluster [s].
+
+Assumed, since iqbal2016 gives no value for epsilon: wider than the spread of dancers who are together, and far below
+half of the 8.1 s between two events of a kind.
+"""
 
 
 def match_to_steps(
     times_s: Sequence[float] | Array, kinds: Sequence[str], steps: Sequence[Step], expected_s: Array
 ) -> Array:
-    """One agent's time of each step of an iteration.
+    """Assign an agent's events to the steps of an iteration.
 
-    Every event goes to the expected occurrence of its kind that is nearest in time, never by count; where two
-    events claim one, the nearer counts (the earlier of two equally near). Kinds that no step has are ignored.
+    Every event goes to the step of its kind whose expected time is nearest, whatever the number of events before it.
+    If two events go to one step, the nearer one counts, and of two equally near ones the earlier. Events of a kind
+    that no step has are ignored.
 
     Args:
         times_s: (N,) event times on the clock of ``expected_s`` [s], in any order.
@@ -40,40 +42,49 @@ def match_to_steps(
     Returns:
         (K,) times [s], NaN where a step has no event.
     """
-    found = np.full(len(steps), np.nan)
-    ordinals: dict[Kind, list[int]] = {}
+    matched_s = np.full(len(steps), np.nan)
+    steps_of: dict[Kind, list[int]] = {}
     for index, step in enumerate(steps):
-        ordinals.setdefault(step.kind, []).append(index)
-    order = np.argsort(np.asarray(times_s, dtype=np.float64), kind="stable")
-    for place in order:
-        time = float(times_s[place])
-        kind = Kind.CLAP if kinds[place] == Kind.TURN else Kind(kinds[place])
-        candidates = ordinals.get(kind)
+        steps_of.setdefault(step.kind, []).append(index)
+
+    for event in np.argsort(np.asarray(times_s, dtype=np.float64), kind="stable"):
+        time_s = float(times_s[event])
+        kind = Kind.CLAP if kinds[event] == Kind.TURN else Kind(kinds[event])
+        candidates = steps_of.get(kind)
         if not candidates:
             continue
-        nearest = min(candidates, key=lambda index: abs(float(expected_s[index]) - time))
-        if not abs(found[nearest] - expected_s[nearest]) <= abs(time - expected_s[nearest]):
-            found[nearest] = time
-    return found
+
+        nearest = min(candidates, key=lambda index: abs(float(expected_s[index]) - time_s))
+        # Written with "not" so that a step without an event yet, NaN, takes this one.
+        if not abs(matched_s[nearest] - expected_s[nearest]) <= abs(time_s - expected_s[nearest]):
+            matched_s[nearest] = time_s
+
+    return matched_s
 
 
 def main_cluster(times_s: Array, epsilon_s: float = EPSILON_S) -> BoolArray:
-    """Members of the largest cluster under single linkage; of equally large ones the earliest.
+    """Members of the largest cluster under single linkage; of equally large clusters, those of the earliest.
 
     Args:
-        times_s: (N,) times [s]; NaN is a member of nothing.
-        epsilon_s: largest gap between neighbours of one cluster [s].
+        times_s: (N,) times [s]; NaN belongs to no cluster.
+        epsilon_s: largest gap between neighbouring times of one cluster [s].
 
     Returns:
-        (N,) membership; all False without any time.
+        (N,) membership; all False if no time is finite.
+
+    Source: iqbal2016, section III-B, which does not name the clustering method.
     """
     times = np.asarray(times_s, dtype=np.float64)
     member = np.zeros(len(times), dtype=bool)
-    order = np.argsort(times, kind="stable")[: int(np.isfinite(times).sum())]
+    finite_count = int(np.isfinite(times).sum())
+    # NaN is sorted last.
+    order = np.argsort(times, kind="stable")[:finite_count]
     if len(order) == 0:
         return member
+
     labels = np.concatenate([[0], np.cumsum(np.diff(times[order]) > epsilon_s)])
-    member[order[labels == np.argmax(np.bincount(labels))]] = True
+    largest = np.argmax(np.bincount(labels))
+    member[order[labels == largest]] = True
     return member
 
 
@@ -82,34 +93,35 @@ def ideal_times(dancers_s: Array, epsilon_s: float = EPSILON_S, min_members: int
 
     Args:
         dancers_s: (D, K) each dancer's time of each step [s], NaN where missing.
-        epsilon_s: see `main_cluster`.
-        min_members: fewest members a cluster needs.
+        epsilon_s: see `main_cluster` [s].
+        min_members: fewest members of a cluster that has a mean.
 
     Returns:
         (K,) ideal times [s], NaN where the cluster is smaller.
 
-    Source: iqbal2016, section VI-B; means over those present, where the paper divides by three.
+    Source: iqbal2016, section VI-B; the mean is taken over those who were detected, where the paper divides by 3.
     """
     columns = np.asarray(dancers_s, dtype=np.float64).T
-    ideal = np.full(len(columns), np.nan)
+    ideal_s = np.full(len(columns), np.nan)
     for index, column in enumerate(columns):
         member = main_cluster(column, epsilon_s)
         if member.sum() >= max(min_members, 1):
-            ideal[index] = column[member].mean()
-    return ideal
+            ideal_s[index] = column[member].mean()
+    return ideal_s
 
 
 def timing_appropriateness(robot_s: Array, dancers_s: Array, epsilon_s: float = EPSILON_S) -> Array:
-    """TA of every step: how far the robot was from the dancers' mean.
+    """Timing appropriateness (TA) of every step: how far the robot was from the dancers' mean.
 
     Args:
         robot_s: (K,) the robot's time of each step [s], NaN where it did not perform it.
-        dancers_s: (D, K) the dancers' [s], NaN where missing.
-        epsilon_s: see `main_cluster`.
+        dancers_s: (D, K) each dancer's time of each step [s], NaN where missing.
+        epsilon_s: see `main_cluster` [s].
 
     Returns:
         (K,) absolute differences [s]; NaN where the robot or all dancers missed the step.
 
     Source: iqbal2016, section VI-B.
     """
-    return np.asarray(np.abs(np.asarray(robot_s, dtype=np.float64) - ideal_times(dancers_s, epsilon_s)))
+    robot = np.asarray(robot_s, dtype=np.float64)
+    return np.asarray(np.abs(robot - ideal_times(dancers_s, epsilon_s)))

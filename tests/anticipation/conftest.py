@@ -20,7 +20,7 @@ NOMINAL = np.array([step.beat * BEAT_S for step in STEPS])
 DELAY_S = 0.02
 
 
-def context(cast=CAST):
+def context(cast=CAST, tau_s=0.25):
     span = range(5)
     return MethodContext(
         cast,
@@ -29,6 +29,7 @@ def context(cast=CAST):
         BEAT_S,
         tuple(TIMETABLE.start_s(i) for i in span),
         tuple(TIMETABLE.close_s(i) for i in span),
+        tau_s=tau_s,
     )
 
 
@@ -55,9 +56,9 @@ def dance(iteration, offsets, skip=()):
 class Story:
     """Plays events to a method and keeps its latest answer for every step, as the dispatcher would."""
 
-    def __init__(self, name, cast=CAST, **options):
+    def __init__(self, name, cast=CAST, tau_s=0.25, **options):
         self.method = build_method(name, options)
-        self.method.reset(context(cast), np.random.default_rng(0))
+        self.method.reset(context(cast, tau_s), np.random.default_rng(0))
         self.plan = {}
         self.answers = []
         self.wakes = []

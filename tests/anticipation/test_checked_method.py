@@ -51,9 +51,15 @@ def asked(mine, answer, told_s=2.0):
 
 @pytest.mark.parametrize(
     "answer",
-    [(), [], (ScheduleCommand(1, 0, 3.0, "why"),), [CancelCommand(1, 0, "why"), SetTimer(2.1)],
-     (ScheduleCommand(np.int64(1), 0, np.float32(3.0), "why"),), (ScheduleCommand(1, 99, math.nan, "the dispatcher's matter"),)],
-)  # fmt: skip
+    [
+        (),
+        [],
+        (ScheduleCommand(1, 0, 3.0, "why"),),
+        [CancelCommand(1, 0, "why"), SetTimer(2.1)],
+        (ScheduleCommand(np.int64(1), 0, np.float32(3.0), "why"),),
+        (ScheduleCommand(1, 99, math.nan, "the dispatcher ignores it"),),
+    ],
+)
 def test_answers_pass_unchanged(mine, answer):
     assert asked(mine, answer) == answer
 

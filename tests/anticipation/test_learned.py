@@ -6,13 +6,13 @@ import itertools
 import numpy as np
 import pytest
 
-from sjasim.anticipation.learned import LEEWAY_BEATS, PolicyNetwork, StepSelector
 from sjasim.anticipation.method import build_method
 from sjasim.anticipation.observation import MOVES, EventFeatures
+from sjasim.anticipation.policy_network import PolicyNetwork
+from sjasim.anticipation.step_selection import MAX_EARLY_BEATS, StepSelector
 from sjasim.core import Event, Kind
 from sjasim.core.errors import ConfigError
-from sjasim.core.method_io import CancelCommand, ScheduleCommand, SetTimer
-from sjasim.core.method_io import ROBOT_MOVES
+from sjasim.core.method_io import ROBOT_MOVES, CancelCommand, ScheduleCommand, SetTimer
 
 from ..contracts.test_anticipation import STEPS, context
 from .policies import WIDTH, write
@@ -125,8 +125,8 @@ class TestStepSelector:
     def test_far_from_its_beat_a_move_means_nothing(self):
         steps = StepSelector(PLAN)
         turn = MOVES.index("turn")
-        assert steps.select(self.at(STEPS[-1].beat - 1.01 * LEEWAY_BEATS), turn) is None
-        assert steps.select(self.at(STEPS[-1].beat - 0.99 * LEEWAY_BEATS), turn) == (1, len(STEPS) - 1)
+        assert steps.select(self.at(STEPS[-1].beat - 1.01 * MAX_EARLY_BEATS), turn) is None
+        assert steps.select(self.at(STEPS[-1].beat - 0.99 * MAX_EARLY_BEATS), turn) == (1, len(STEPS) - 1)
 
     def test_a_move_can_be_stopped_however_late(self):
         steps = StepSelector(PLAN)

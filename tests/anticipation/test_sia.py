@@ -5,7 +5,7 @@ import pytest
 
 from sjasim.anticipation.method import build_method
 from sjasim.anticipation.scheduled_method import LEAD_S
-from sjasim.anticipation.sia import HOLD_S
+from sjasim.anticipation.sia import MIN_PAUSE_S
 from sjasim.choreography.march import march
 from sjasim.core import Event, Kind
 from sjasim.core.method_io import CancelCommand, MethodContext, ScheduleCommand, SetTimer
@@ -36,6 +36,14 @@ def test_iteration_one_is_scheduled_from_the_rehearsal(story):
     before = len(stage.answers)
     stage.play(1, TOGETHER)
     assert all(answer.iteration == 2 for answer in stage.answers[before:])
+
+
+@pytest.mark.parametrize(("tau_s", "leader"), [(0.25, "dancer_1"), (1.0, "dancer_2")])
+def test_the_leader_is_the_most_synchronous_dancer_by_the_contexts_tau(story, tau_s, leader):
+    """Dancers 1 and 2 coincide within .25 s and are tied; within 1 s dancer 2 coincides with dancer 3 as well."""
+    offsets = {"dancer_1": 0.0, "dancer_2": 0.2, "dancer_3": 1.1}
+    stage = story.Story("sia", tau_s=tau_s).play(0, offsets).play(1, offsets)
+    assert stage.method.follows(2) == (leader,)
 
 
 def test_the_robots_edges_while_it_follows_nobody_are_an_option(story):
@@ -112,7 +120,7 @@ def test_a_silent_leader_leaves_the_fallback_at_the_windows_end(following, story
     latest = np.minimum(story.nominal + 2.0, close)
     for back in (2, 6):  # so that the robot is back before the next phrase, or the clap
         latest[back] = min(
-            latest[back], story.nominal[back + 2] - HOLD_S - (story.nominal[back + 1] - story.nominal[back])
+            latest[back], story.nominal[back + 2] - MIN_PAUSE_S - (story.nominal[back + 1] - story.nominal[back])
         )
     assert following.after(2)[:8] == pytest.approx(latest[:8])
 
@@ -172,7 +180,7 @@ def test_a_phrase_begun_too_late_is_made_shorter(story):
     begun = following.after(2)[4]
     following.wait(story.start_s(2) + begun)
     rest = following.after(2)[5:8]
-    assert rest[-1] == pytest.approx(story.nominal[8] - 1.5 - HOLD_S)
+    assert rest[-1] == pytest.approx(story.nominal[8] - 1.5 - MIN_PAUSE_S)
     whole = np.diff(story.nominal[4:8] + late[4:8])
     assert (np.diff([begun, *rest]) < whole).all()
 

@@ -35,7 +35,11 @@ SIBLINGS = {
 
 ONLY = {
     "analysis": {
-        "anticipation": {"anticipation.synchrony", "anticipation.timing_appropriateness"},
+        "anticipation": {
+            "anticipation.coincidences",
+            "anticipation.synchrony",
+            "anticipation.timing_appropriateness",
+        },
         "humans": {"humans.timing.parameters"},
         "robot": set(),
         "sensors": set(),

@@ -6,7 +6,7 @@ import pytest
 from sjasim_envs.wrappers import InOrder, MethodPolicy
 
 import sjasim
-from sjasim.anticipation.learned import PolicyNetwork
+from sjasim.anticipation.policy_network import PolicyNetwork
 
 from ..anticipation.policies import write
 

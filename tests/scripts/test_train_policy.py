@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sjasim.anticipation.learned import PolicyNetwork
+from sjasim.anticipation.policy_network import PolicyNetwork
 from sjasim.anticipation.method import build_method
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -1,0 +1,193 @@
+"""Coincidences of events of several agents, and the pairwise synchronisation index that is computed from them.
+
+Times are compared in whole microseconds, so that two times are equal or not, and a lag of exactly tau is outside the
+window.
+
+Source: iqbal2016, eqs. (1)-(4), which extend quianquiroga2002.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core import Array, IntArray, Kind
+from ..core.errors import ConfigError
+
+Series = tuple[Sequence[float] | Array, Sequence[str]]
+"""Events of one agent: times [s], and as many kinds."""
+
+BoolArray = NDArray[np.bool_]
+
+_NO_EVENTS: IntArray = np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, slots=True)
+class Coincidences:
+    """Pairwise synchrony of H agents over the K kinds that occur.
+
+    Attributes:
+        kinds: the K kinds.
+        by_kind: (H, H, K) Q(e).
+        index: (H, H) Q_xy.
+        empty: (H, H) whether neither agent has an event.
+    """
+
+    kinds: tuple[str, ...]
+    by_kind: Array
+    index: Array
+    empty: BoolArray
+
+
+def microseconds(times_s: Sequence[float] | Array) -> IntArray:
+    """(N,) times in whole microseconds.
+
+    Args:
+        times_s: (N,) finite times [s].
+
+    Raises:
+        ConfigError: a time is not finite, or the array has more than one axis.
+    """
+    times = np.asarray(times_s, dtype=np.float64)
+    if times.ndim != 1 or not np.isfinite(times).all():
+        raise ConfigError("times", times_s, "a flat sequence of finite seconds")
+    return np.rint(times * 1e6).astype(np.int64)
+
+
+@dataclass(frozen=True, slots=True)
+class _Events:
+    """Events of H agents on one time line, on which each of K kinds has a stretch of its own.
+
+    The stretches are more than tau apart, so that all kinds are compared at once without mixing them.
+
+    Attributes:
+        kinds: the K kinds.
+        owner: (N,) index of the agent of each event.
+        kind: (N,) index of its kind.
+        line_us: (N,) its place on the time line [us].
+        stride_us: from the beginning of one kind's stretch to that of the next [us].
+    """
+
+    kinds: tuple[str, ...]
+    owner: IntArray
+    kind: IntArray
+    line_us: IntArray
+    stride_us: int
+
+
+def count_coincidences(series: Sequence[Series], tau: float, one_to_one: bool) -> Coincidences:
+    """Count the coincidences of all pairs of agents, and compute their pairwise synchronisation indices.
+
+    Args:
+        series: events of each of H agents, in any order.
+        tau: two events coincide if they are less than this apart [s].
+        one_to_one: match each event at most once, instead of counting every pair of events.
+
+    Raises:
+        ConfigError: tau is not positive, times are not finite, or times and kinds differ in length.
+
+    Source: iqbal2016, eqs. (1)-(4).
+    """
+    if not tau > 0.0:
+        raise ConfigError("tau", tau, "a positive number of seconds")
+    tau_us = round(tau * 1e6)
+    events = _on_one_line(series, tau_us)
+    agents = len(series)
+    kinds = len(events.kinds)
+    cells = agents * kinds
+
+    number = np.bincount(events.owner * kinds + events.kind, minlength=cells).reshape(agents, kinds)
+    count_function = _count_matches if one_to_one else _count_pairs
+    count = count_function(events, agents, tau_us)
+
+    # Q(e): coincidences over the geometric mean of the numbers of events. 1 avoids 0/0, where the count is 0 as well.
+    product = number[:, None] * number
+    by_kind = count / np.sqrt(np.maximum(product, 1))
+
+    # Q_xy: mean over kinds, weighted by the numbers of events of both agents.
+    weight = number[:, None] + number
+    total = weight.sum(axis=2)
+    index = (by_kind * weight).sum(axis=2) / np.maximum(total, 1)
+    return Coincidences(events.kinds, by_kind, index, total == 0)
+
+
+def _on_one_line(series: Sequence[Series], tau_us: int) -> _Events:
+    """Place the events of all agents and kinds on one time line."""
+    codes: dict[str, int] = {}
+    encoded = [_encode(events, codes) for events in series]
+    owner = np.repeat(np.arange(len(series)), [len(times) for times, _ in encoded])
+    line_us = np.concatenate([_NO_EVENTS, *(times for times, _ in encoded)])
+    kind = np.concatenate([_NO_EVENTS, *(kinds for _, kinds in encoded)])
+
+    stride_us = 1
+    if len(line_us):
+        stride_us = int(line_us.max() - line_us.min()) + tau_us + 1
+        line_us = line_us - line_us.min()
+    return _Events(tuple(codes), owner, kind, line_us + stride_us * kind, stride_us)
+
+
+def _encode(series: Series, codes: dict[str, int]) -> tuple[IntArray, IntArray]:
+    """Times [us] and codes of kinds of one agent's events; a new kind gets the next code."""
+    times_s, kinds = series
+    times = microseconds(times_s)
+    if len(times) != len(kinds):
+        raise ConfigError("kinds", len(kinds), f"as many as times: {len(times)}")
+    names = (Kind.CLAP.value if kind == Kind.TURN else str(kind) for kind in kinds)
+    return times, np.array([codes.setdefault(name, len(codes)) for name in names], dtype=np.int64)
+
+
+def _count_pairs(events: _Events, agents: int, tau_us: int) -> Array:
+    """(H, H, K) number of pairs of events less than tau apart.
+
+    This is c(x|y) + c(y|x) of eqs. (1) and (2): every lag strictly inside tau counts once, in one direction or the
+    other, and a lag of 0 counts half in each.
+    """
+    kinds = len(events.kinds)
+    cells = agents * kinds
+    count = np.zeros((agents, agents, kinds))
+    for agent in range(agents):
+        train = np.sort(events.line_us[events.owner == agent])
+        first = train.searchsorted(events.line_us - tau_us, "right")
+        after_last = train.searchsorted(events.line_us + tau_us, "left")
+        inside = after_last - first
+        count[:, agent] = np.bincount(events.owner * kinds + events.kind, inside, cells).reshape(agents, kinds)
+    return count
+
+
+def _count_matches(events: _Events, agents: int, tau_us: int) -> Array:
+    """(H, H, K) size of the maximum one-to-one matching of events less than tau apart."""
+    kinds = len(events.kinds)
+    trains = [np.sort(events.line_us[events.owner == agent]) for agent in range(agents)]
+    count = np.zeros((agents, agents, kinds))
+    for i, j in combinations(range(agents), 2):
+        matched = np.array(_match(trains[i].tolist(), trains[j].tolist(), tau_us), dtype=np.int64)
+        # The stretch that an event lies on is its kind.
+        of_kind = np.bincount(matched // events.stride_us, minlength=kinds)
+        count[i, j] = of_kind
+        count[j, i] = of_kind
+    return count
+
+
+def _match(x: list[int], y: list[int], tau_us: int) -> list[int]:
+    """Times of x in a maximum one-to-one matching of sorted times less than tau apart.
+
+    On a line, the earliest partner that fits is always an optimal choice.
+    """
+    i = 0
+    j = 0
+    matched: list[int] = []
+    while i < len(x) and j < len(y):
+        lag = x[i] - y[j]
+        if abs(lag) < tau_us:
+            matched.append(x[i])
+            i += 1
+            j += 1
+        elif lag > 0:
+            j += 1
+        else:
+            i += 1
+    return matched
