@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sjasim.anticipation.policy_network import PolicyNetwork
 from sjasim.anticipation.method import build_method
+from sjasim.anticipation.policy_network import PolicyNetwork
 
 ROOT = Path(__file__).resolve().parents[2]
 
