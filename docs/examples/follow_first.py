@@ -1,6 +1,8 @@
-"""An anticipation method in one file: the robot does whatever one dancer does, as soon as it is seen.
+"""An anticipation method in one file: the robot does what one dancer does, as soon as it is detected.
 
-python3 scripts/launch.py run --method follow_first:FollowFirst
+Use it as a template for a method of your own: copy it to a folder on Python's path (``PYTHONPATH``), then
+
+    python -m sjasim.run --method follow_first:FollowFirst
 """
 
 from collections.abc import Sequence
@@ -14,13 +16,21 @@ from sjasim.core.method_io import MethodAction, MethodContext, ScheduleCommand
 
 @dataclass(frozen=True)
 class FollowFirstConfig:
-    """Options; users set them with ``--method-options dancer dancer_2``."""
+    """Options of the method. Users set them with ``--method-options dancer dancer_2``.
+
+    Attributes:
+        dancer: name of the dancer to follow.
+    """
 
     dancer: str = "dancer_1"
 
 
 class FollowFirst:
-    """Copies one dancer, early events included; nobody is anticipated and nothing is scheduled."""
+    """Copies one dancer, early events included; it predicts nothing and schedules nothing.
+
+    Args:
+        config: options.
+    """
 
     config_type = FollowFirstConfig
 
@@ -28,30 +38,36 @@ class FollowFirst:
         self._config = config
 
     def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
-        """Begin a dance: remember when each step falls on the music."""
-        self._steps = context.steps
+        """Prepare for a dance: keep its context, which says when each step falls on the music."""
         self._context = context
 
+    def follows(self, iteration: int) -> tuple[str, ...]:
+        """Say whom the robot follows; the group's synchrony and the net latency are computed from it."""
+        return (self._config.dancer,)
+
     def on_event(self, event: Event) -> Sequence[MethodAction]:
-        """Send the command of the nearest step of this kind at once."""
+        """Send the command of the nearest step of the event's kind at once."""
+        # In iteration 0, the rehearsal, the robot does not dance.
         if event.person != self._config.dancer or event.iteration == 0:
             return ()
-        beat = self._context.beat(event.iteration, event.t_s)
-        steps = [step for step in self._steps if step.kind == event.kind]
+        steps = [step for step in self._context.steps if step.kind == event.kind]
         if not steps:
             return ()
+
+        # A kind occurs several times in an iteration: the music tells which step the dancer means.
+        beat = self._context.beat(event.iteration, event.t_s)
         nearest = min(steps, key=lambda step: abs(step.beat - beat))
         why = f"{event.kind} of {event.person}{', early' if event.early else ''}"
         return (ScheduleCommand(event.iteration, nearest.ordinal, event.t_arrival_s, why, event.person),)
 
     def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
-        """Nothing to prepare."""
+        """Do nothing: there is nothing to prepare."""
         return ()
 
     def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
-        """Nothing to learn."""
+        """Do nothing: there is nothing to learn from the iteration."""
         return ()
 
     def on_timer(self, t_s: float) -> Sequence[MethodAction]:
-        """No timers."""
+        """Do nothing: the method sets no timers."""
         return ()

@@ -1,4 +1,4 @@
-"""Scripted dances for the methods' tests: a context, and events that tell a story."""
+"""Scripted dances for the tests of methods: the context of a dance, and events at given offsets from the music."""
 
 from types import SimpleNamespace
 
@@ -54,17 +54,24 @@ def dance(iteration, offsets, skip=()):
 
 
 class Story:
-    """Plays events to a method and keeps its latest answer for every step, as the dispatcher would."""
+    """Calls the hooks of a method and keeps its latest command for every step, as the dispatcher does.
+
+    Attributes:
+        plan: (iteration, ordinal) -> the scheduled command.
+        answers: every command and cancellation so far.
+        timers_s: session times of the timers that are set [s].
+    """
 
     def __init__(self, name, cast=CAST, tau_s=0.25, **options):
         self.method = build_method(name, options)
         self.method.reset(context(cast, tau_s), np.random.default_rng(0))
         self.plan = {}
         self.answers = []
-        self.wakes = []
+        self.timers_s = []
 
-    def take(self, answers):
-        self.wakes += [answer.t_s for answer in answers if isinstance(answer, SetTimer)]
+    def record(self, answers):
+        """Record the actions of a hook; returns them without timers."""
+        self.timers_s += [answer.t_s for answer in answers if isinstance(answer, SetTimer)]
         kept = [answer for answer in answers if not isinstance(answer, SetTimer)]
         for answer in kept:
             self.answers.append(answer)
@@ -76,21 +83,25 @@ class Story:
         return kept
 
     def wait(self, until_s):
-        """Nothing happens but timers."""
-        due = sorted(t_s for t_s in self.wakes if t_s <= until_s)
-        self.wakes = [t_s for t_s in self.wakes if t_s > until_s]
-        return [answer for t_s in due for answer in self.take(self.method.on_timer(t_s))]
+        """Call the timers up to a session time; returns their actions."""
+        due = sorted(t_s for t_s in self.timers_s if t_s <= until_s)
+        self.timers_s = [t_s for t_s in self.timers_s if t_s > until_s]
+        return [answer for t_s in due for answer in self.record(self.method.on_timer(t_s))]
 
     def begin(self, iteration):
-        return self.take(self.method.on_iteration_start(iteration, start_s(iteration)))
+        """Begin an iteration."""
+        return self.record(self.method.on_iteration_start(iteration, start_s(iteration)))
 
     def end(self, iteration):
-        return self.take(self.method.on_iteration_end(iteration, TIMETABLE.close_s(iteration)))
+        """End the window of an iteration."""
+        return self.record(self.method.on_iteration_end(iteration, TIMETABLE.close_s(iteration)))
 
     def tell(self, item):
-        return self.take(self.method.on_event(item))
+        """Pass an event to the method; returns its actions."""
+        return self.record(self.method.on_event(item))
 
     def play(self, iteration, offsets, skip=()):
+        """Play a whole iteration, see `dance`."""
         self.begin(iteration)
         for item in dance(iteration, offsets, skip):
             self.tell(item)
@@ -98,12 +109,12 @@ class Story:
         return self
 
     def after(self, iteration):
-        """Planned sending times after beat 0, in the order of the steps."""
+        """Sending times of the scheduled commands after beat 0, in the order of the steps [s]."""
         return np.array([self.plan[iteration, step.ordinal].t_s - start_s(iteration) for step in STEPS])
 
 
 @pytest.fixture
 def story():
-    """What tells a story: the stage, the events, the music."""
+    """`Story`, and the events, context and times of its dance."""
     return SimpleNamespace(Story=Story, event=event, dance=dance, start_s=start_s, context=context,
                            nominal=NOMINAL, delay_s=DELAY_S, timetable=TIMETABLE)  # fmt: skip

@@ -1,4 +1,4 @@
-"""A policy made by hand."""
+"""A policy with hand-made weights."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ WIDTH = len(EventFeatures(context()).row(0.0, 0, 0.0))
 
 
 def write(path, lead=0.5, **changes):
-    """A policy that wants each of the dance's moves from ``lead`` beats before it has its beat, and knows no people."""
+    """Write a policy that chooses each move from ``lead`` beats before its beat, whatever the dancers do."""
     changing = len(STEPS) - 1
     moves = [MOVES.index(ROBOT_MOVES[step.kind]) for step in STEPS]
     w0, w1 = np.zeros((changing, WIDTH)), np.zeros((4, changing))

@@ -1,4 +1,4 @@
-"""A method of one's own with bugs: the line that names them."""
+"""Mistakes in a user's own method are reported by name."""
 
 import math
 import sys
@@ -15,7 +15,7 @@ from sjasim.core.method_io import CancelCommand, MethodContext, ScheduleCommand,
 
 
 class Mine:
-    """Answers whatever it is given."""
+    """Returns whatever the test sets as its answer."""
 
     def __init__(self):
         self.answer = ()
@@ -44,9 +44,9 @@ def mine():
     return Mine()
 
 
-def asked(mine, answer, told_s=2.0):
+def call_on_event(mine, answer, event_time_s=2.0):
     mine.answer = answer
-    return CheckedMethod("my:Mine", mine).call("on_event", told_s, (None,))
+    return CheckedMethod("my:Mine", mine).call("on_event", event_time_s, (None,))
 
 
 @pytest.mark.parametrize(
@@ -61,33 +61,33 @@ def asked(mine, answer, told_s=2.0):
     ],
 )
 def test_answers_pass_unchanged(mine, answer):
-    assert asked(mine, answer) == answer
+    assert call_on_event(mine, answer) == answer
 
 
 @pytest.mark.parametrize("answer", [None, ScheduleCommand(1, 0, 3.0, "why"), "early", 7, {1: 2}, iter([])])
-def test_what_is_no_sequence_of_answers_is_refused(mine, answer):
+def test_what_is_no_sequence_of_actions_is_refused(mine, answer):
     with pytest.raises(
         PluginError, match=r"my:Mine.on_event returned .*; a sequence of ScheduleCommand, CancelCommand and SetTimer"
     ):
-        asked(mine, answer)
+        call_on_event(mine, answer)
 
 
-def test_nor_are_other_things_in_a_sequence(mine):
+def test_what_is_no_action_in_a_sequence_is_refused(mine):
     with pytest.raises(PluginError, match=r"my:Mine.on_event returned 'early' among its answers"):
-        asked(mine, [SetTimer(3.0), "early"])
+        call_on_event(mine, [SetTimer(3.0), "early"])
     with pytest.raises(PluginError, match=r"ScheduleCommand.t_s = None is not allowed: a session time"):
-        asked(mine, [ScheduleCommand(1, 0, None, "why")])
+        call_on_event(mine, [ScheduleCommand(1, 0, None, "why")])
     with pytest.raises(PluginError, match=r"CancelCommand.iteration = '1' is not allowed: a whole number"):
-        asked(mine, [CancelCommand("1", 0, "why")])
+        call_on_event(mine, [CancelCommand("1", 0, "why")])
 
 
 @pytest.mark.parametrize("t_s", [2.0, 1.0, math.nan, math.inf, -math.inf])
-def test_a_wake_must_lie_in_the_future(mine, t_s):
+def test_a_timer_must_lie_in_the_future(mine, t_s):
     with pytest.raises(PluginError, match=r"SetTimer.t_s = \S+ is not allowed at session time 2 s: .* in the future"):
-        asked(mine, [SetTimer(t_s)])
+        call_on_event(mine, [SetTimer(t_s)])
 
 
-def test_an_error_of_the_users_own_is_kept_and_named(mine):
+def test_an_exception_of_the_users_code_is_named_and_kept_as_the_cause(mine):
     mine.answer = 1
     with pytest.raises(
         HookError, match=r"my:Mine.on_timer failed at session time 6.520 s: ZeroDivisionError"
@@ -96,18 +96,20 @@ def test_an_error_of_the_users_own_is_kept_and_named(mine):
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
 
 
-def test_who_is_followed_is_a_tuple_of_names(mine):
-    hooks = CheckedMethod("my:Mine", mine)
-    hooks.reset(MethodContext(("dancer_1", "dancer_2"), (), 1, 0.5, (0.0, 9.0), (9.0, 18.0)), np.random.default_rng(0))
-    for said, meant in (((), ()), (None, None), (["dancer_1"], ("dancer_1",))):
-        mine.answer = said
-        assert hooks.follows(1, 2.0) == meant
+def test_follows_returns_names_of_the_cast(mine):
+    checked = CheckedMethod("my:Mine", mine)
+    checked.reset(
+        MethodContext(("dancer_1", "dancer_2"), (), 1, 0.5, (0.0, 9.0), (9.0, 18.0)), np.random.default_rng(0)
+    )
+    for answer, expected in (((), ()), (None, None), (["dancer_1"], ("dancer_1",))):
+        mine.answer = answer
+        assert checked.follows(1, 2.0) == expected
     mine.answer = "dancer_1"
     with pytest.raises(PluginError, match=r"my:Mine.follows returned 'dancer_1'; a tuple of names"):
-        hooks.follows(1, 2.0)
+        checked.follows(1, 2.0)
     mine.answer = ("dancer_1", "dancer_9")
     with pytest.raises(PluginError, match=r"returned \['dancer_9'\]; names among dancer_1, dancer_2 are wanted"):
-        hooks.follows(1, 2.0)
+        checked.follows(1, 2.0)
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ class Options:
             raise ValueError("too little")
 
 
-class Gainful(Mine):
+class WithOptions(Mine):
     config_type = Options
 
     def __init__(self, config):
@@ -130,12 +132,12 @@ class NoDataclass(Mine):
     config_type = dict
 
 
-class Wanting(Mine):
+class NoConfigType(Mine):
     def __init__(self, gain):
         pass
 
 
-class Deaf(Mine):
+class WrongSignature(Mine):
     def on_event(self):
         return ()
 
@@ -143,7 +145,7 @@ class Deaf(Mine):
 @pytest.fixture
 def module(monkeypatch):
     found = types.ModuleType("my")
-    for item in (Gainful, NoDataclass, Wanting, Deaf):
+    for item in (WithOptions, NoDataclass, NoConfigType, WrongSignature):
         setattr(found, item.__name__, item)
     monkeypatch.setitem(sys.modules, "my", found)
 
@@ -151,15 +153,15 @@ def module(monkeypatch):
 @pytest.mark.parametrize(
     ("name", "options", "error", "says"),
     [
-        ("Wanting", {}, PluginError, r"my:Wanting is called with \(\), but takes \(gain\).*config_type"),
-        ("Deaf", {}, PluginError, r"my:Deaf.on_event is called with \(event\), but takes \(\)"),
+        ("NoConfigType", {}, PluginError, r"my:NoConfigType is called with \(\), but takes \(gain\).*config_type"),
+        ("WrongSignature", {}, PluginError, r"my:WrongSignature.on_event is called with \(event\), but takes \(\)"),
         ("NoDataclass", {}, PluginError, "config_type.*is not a dataclass"),
-        ("Gainful", {}, ConfigError, "needs gain"),
-        ("Gainful", {"gain": 0}, HookError, "my:Gainful cannot be made: ZeroDivisionError"),
-        ("Gainful", {"gain": -1}, HookError, "my:Gainful cannot be made: ValueError: too little"),
+        ("WithOptions", {}, ConfigError, "needs gain"),
+        ("WithOptions", {"gain": 0}, HookError, "my:WithOptions cannot be made: ZeroDivisionError"),
+        ("WithOptions", {"gain": -1}, HookError, "my:WithOptions cannot be made: ValueError: too little"),
     ],
 )
-def test_what_cannot_be_made_or_called_is_named(module, name, options, error, says):
+def test_a_method_that_cannot_be_built_or_called_is_named(module, name, options, error, says):
     with pytest.raises(error, match=says):
         build_method(f"my:{name}", options)
-    assert build_method("my:Gainful", {"gain": 2.0}).inverse == 0.5
+    assert build_method("my:WithOptions", {"gain": 2.0}).inverse == 0.5

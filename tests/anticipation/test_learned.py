@@ -1,4 +1,4 @@
-"""A learned policy as a method: its file, its features, its answers."""
+"""A learned policy as a method: its file, its features, its actions."""
 
 import heapq
 import itertools
@@ -26,7 +26,7 @@ def policy(tmp_path):
 
 
 def dance(method, plan):
-    """A clean dance with timers: (time, answer) in order."""
+    """Play a dance without noise; (session time, action) in order."""
     told = [(plan.iteration_start_s[i], 0, method.on_iteration_start, (i, plan.iteration_start_s[i])) for i in range(5)]
     told += [(plan.window_end_s[i], 1, method.on_iteration_end, (i, plan.window_end_s[i])) for i in range(5)]
     for i, step, person in itertools.product(range(5), STEPS, plan.cast):
@@ -56,7 +56,7 @@ def test_a_file_of_another_kind_is_refused_without_advice_to_load_it(tmp_path):
         build_method("learned", {"policy": str(tmp_path / "notes.md")})
 
 
-def test_it_keeps_the_contract(policy):
+def test_it_sends_every_step_once_and_reset_forgets_everything(policy):
     plan = context()
     answers = dance(start(policy, plan), plan)
     own = [answer for _, answer in answers if isinstance(answer, ScheduleCommand)]
@@ -69,7 +69,7 @@ def test_it_keeps_the_contract(policy):
     assert dance(method, plan) == answers
 
 
-def test_it_asks_at_the_rate_it_was_trained_with(policy):
+def test_the_policy_is_evaluated_at_the_rate_of_its_training(policy):
     plan = context()
     wakes = sorted({answer.t_s for _, answer in dance(start(policy, plan), plan) if isinstance(answer, SetTimer)})
     assert np.diff(wakes) == pytest.approx(0.1)
@@ -97,7 +97,7 @@ def test_a_policy_of_other_people_is_refused(policy):
         start(policy, context(("dancer_1", "dancer_2")))
 
 
-def test_the_network_is_the_textbooks(tmp_path):
+def test_scores_are_those_of_a_two_layer_network(tmp_path):
     network = PolicyNetwork.read(write(tmp_path / "policy.npz", clip=0.5))
     x = np.linspace(-1, 1, WIDTH)
     (w0, b0), (w1, b1) = network.layers
@@ -110,19 +110,19 @@ class TestStepSelector:
     def at(self, beat, iteration=1):
         return PLAN.iteration_start_s[iteration] + beat * PLAN.beat_s
 
-    def test_a_wanted_move_is_the_nearest_step_of_its_kind(self):
+    def test_a_move_stands_for_the_nearest_step_of_its_kind(self):
         steps = StepSelector(PLAN)
         wanted = [(first.beat, MOVES.index(ROBOT_MOVES[first.kind])) for first in STEPS]
         assert [steps.select(self.at(beat + 0.5), move) for beat, move in wanted] == [(1, k) for k in range(len(STEPS))]
 
-    def test_none_is_sent_twice_or_behind_another(self):
+    def test_no_step_is_selected_twice_or_behind_another(self):
         steps = StepSelector(PLAN)
         assert steps.select(self.at(STEPS[2].beat), MOVES.index("backward")) == (1, 2)
         assert steps.select(self.at(STEPS[1].beat), MOVES.index("stop")) is None
         assert steps.move == MOVES.index("backward")
         assert steps.select(self.at(STEPS[2].beat), MOVES.index("backward")) is None
 
-    def test_far_from_its_beat_a_move_means_nothing(self):
+    def test_a_move_long_before_its_beat_stands_for_no_step(self):
         steps = StepSelector(PLAN)
         turn = MOVES.index("turn")
         assert steps.select(self.at(STEPS[-1].beat - 1.01 * MAX_EARLY_BEATS), turn) is None
@@ -134,7 +134,7 @@ class TestStepSelector:
         assert steps.select(self.at(8.4), MOVES.index("stop")) == (1, 1)
         assert steps.select(self.at(8.6), MOVES.index("backward")) == (1, 2)
 
-    def test_nothing_is_sent_in_the_rehearsal(self):
+    def test_no_step_is_selected_in_the_rehearsal(self):
         assert StepSelector(PLAN).select(self.at(0.0, 0), MOVES.index("forward")) is None
 
 
@@ -151,13 +151,13 @@ class TestEventFeatures:
         assert (ages == 10.0).sum() == ages.size - 2
         assert (self.parts(features, t_s + 30.0)[3] == 10.0).all()
 
-    def test_an_event_of_the_future_is_new(self):
-        """A clock that has jumped may say so; an age is never negative."""
+    def test_the_age_of_an_event_in_the_future_is_zero(self):
+        """A clock that has jumped may give a time in the future; an age is never negative."""
         features = EventFeatures(context())
         features.add(Event("dancer_1", Kind.CLAP, 9.0, 5.0, False, 1, "north"))
         assert self.parts(features, 6.0)[3][0, 4, 0] == 0.0
 
-    def test_the_last_iteration_is_told_against_the_music(self):
+    def test_deviations_of_the_last_iteration_are_relative_to_the_music(self):
         features = EventFeatures(plan := context())
         for step in STEPS:
             t_s = plan.iteration_start_s[1] + step.beat * plan.beat_s + 0.25

@@ -1,4 +1,4 @@
-"""ECA, the metronome and their history, against dances told in words."""
+"""ECA, the metronome and the event history, against scripted dances."""
 
 import numpy as np
 import pytest
@@ -10,40 +10,40 @@ AT = {"dancer_1": 0.2, "dancer_2": 0.3, "dancer_3": 0.4}
 
 
 def test_eca_repeats_the_mean_of_the_iteration_before(story):
-    stage = story.Story("eca").play(0, AT)
-    assert stage.after(1) == pytest.approx(story.nominal + 0.3 - LEAD_S)
-    assert all(isinstance(answer, ScheduleCommand) and answer.person == "" for answer in stage.answers)
-    stage.play(1, {name: offset - 0.5 for name, offset in AT.items()})
-    assert stage.after(2) == pytest.approx(story.nominal - 0.2 - LEAD_S)
+    played = story.Story("eca").play(0, AT)
+    assert played.after(1) == pytest.approx(story.nominal + 0.3 - LEAD_S)
+    assert all(isinstance(answer, ScheduleCommand) and answer.person == "" for answer in played.answers)
+    played.play(1, {name: offset - 0.5 for name, offset in AT.items()})
+    assert played.after(2) == pytest.approx(story.nominal - 0.2 - LEAD_S)
 
 
 def test_eca_leaves_a_straggler_out_of_the_mean(story):
-    stage = story.Story("eca").play(0, {"dancer_1": 0.0, "dancer_2": 0.2, "dancer_3": 2.5})
-    assert stage.after(1) == pytest.approx(story.nominal + 0.1 - LEAD_S)
+    played = story.Story("eca").play(0, {"dancer_1": 0.0, "dancer_2": 0.2, "dancer_3": 2.5})
+    assert played.after(1) == pytest.approx(story.nominal + 0.1 - LEAD_S)
 
 
 def test_eca_keeps_the_last_time_of_a_step_that_only_one_dancer_did(story):
-    stage = story.Story("eca").play(0, AT)
+    played = story.Story("eca").play(0, AT)
     alone = [(name, 4) for name in ("dancer_1", "dancer_2")]
-    stage.play(1, {name: offset + 0.4 for name, offset in AT.items()}, skip=alone)
+    played.play(1, {name: offset + 0.4 for name, offset in AT.items()}, skip=alone)
     expected = story.nominal + 0.7 - LEAD_S
     expected[4] = story.nominal[4] + 0.3 - LEAD_S
-    assert stage.after(2) == pytest.approx(expected)
-    assert "kept" in stage.plan[2, 4].why
+    assert played.after(2) == pytest.approx(expected)
+    assert "kept" in played.plan[2, 4].why
 
 
 def test_a_missing_first_forward_does_not_make_the_second_one_first(story):
-    stage = story.Story("eca").play(0, AT, skip=[("dancer_2", 0), ("dancer_2", 1)])
+    played = story.Story("eca").play(0, AT, skip=[("dancer_2", 0), ("dancer_2", 1)])
     expected = story.nominal + 0.3 - LEAD_S
-    assert stage.after(1) == pytest.approx(expected)
+    assert played.after(1) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("name", ["eca", "sia"])
-def test_without_any_events_the_nominal_beats_then_the_last_schedule(story, name):
-    stage = story.Story(name)
-    stage.begin(0)
-    stage.end(0)
-    assert stage.after(1) == pytest.approx(story.nominal - LEAD_S)
+def test_without_events_the_schedule_is_the_music_then_the_last_schedule(story, name):
+    played = story.Story(name)
+    played.begin(0)
+    played.end(0)
+    assert played.after(1) == pytest.approx(story.nominal - LEAD_S)
     eca = story.Story("eca").play(0, AT)
     eca.begin(1)
     eca.end(1)
@@ -52,39 +52,39 @@ def test_without_any_events_the_nominal_beats_then_the_last_schedule(story, name
 
 @pytest.mark.parametrize("name", ["eca", "sia", "metronome"])
 def test_without_a_rehearsal_the_first_iteration_is_scheduled_at_its_start(story, name):
-    stage = story.Story(name)
-    stage.begin(1)
-    assert stage.after(1) == pytest.approx(story.nominal - LEAD_S)
+    played = story.Story(name)
+    played.begin(1)
+    assert played.after(1) == pytest.approx(story.nominal - LEAD_S)
 
 
 def test_a_dancer_alone_is_enough_for_a_group_of_one(story):
-    stage = story.Story("eca", cast=("dancer_1",)).play(0, {"dancer_1": 0.5})
-    assert stage.after(1) == pytest.approx(story.nominal + 0.5 - LEAD_S)
+    played = story.Story("eca", cast=("dancer_1",)).play(0, {"dancer_1": 0.5})
+    assert played.after(1) == pytest.approx(story.nominal + 0.5 - LEAD_S)
 
 
-def test_early_events_and_strangers_are_no_history(story):
-    stage = story.Story("eca")
+def test_early_events_and_events_of_unknown_persons_are_not_kept(story):
+    played = story.Story("eca")
     for person in (*AT, "stranger"):
         for step in range(9):
             kind = story.context().steps[step].kind
-            stage.tell(story.event(person, 0, kind, story.nominal[step] + 9.0, early=person != "stranger"))
-    stage.end(0)
-    assert stage.after(1) == pytest.approx(story.nominal - LEAD_S)
+            played.tell(story.event(person, 0, kind, story.nominal[step] + 9.0, early=person != "stranger"))
+    played.end(0)
+    assert played.after(1) == pytest.approx(story.nominal - LEAD_S)
 
 
-def test_the_metronome_hears_nobody(story):
-    stage = story.Story("metronome", lead_s=0.3)
+def test_the_metronome_ignores_events(story):
+    played = story.Story("metronome", lead_s=0.3)
     for iteration in range(4):
-        stage.play(iteration, {"dancer_1": 1.0, "dancer_2": -1.0})
+        played.play(iteration, {"dancer_1": 1.0, "dancer_2": -1.0})
     for iteration in range(1, 5):
-        assert stage.after(iteration) == pytest.approx(story.nominal - 0.3)
-    assert len(stage.answers) == 36
+        assert played.after(iteration) == pytest.approx(story.nominal - 0.3)
+    assert len(played.answers) == 36
 
 
 def test_nothing_is_scheduled_after_the_last_iteration(story):
     for name in ("eca", "sia", "metronome"):
-        stage = story.Story(name).play(4, AT)
-        assert not any(iteration > 4 for iteration, _ in stage.plan)
+        played = story.Story(name).play(4, AT)
+        assert not any(iteration > 4 for iteration, _ in played.plan)
 
 
 def test_a_shift_of_the_whole_group_moves_the_schedule_by_as_much(story):

@@ -1,4 +1,4 @@
-"""SIA against event streams told in words."""
+"""SIA against scripted streams of events."""
 
 import numpy as np
 import pytest
@@ -16,34 +16,34 @@ SF, TF, SB, TB, CLAP, TURN = Kind
 
 @pytest.fixture
 def following(story):
-    """A stage at the beginning of iteration 2, in which dancer_1 is followed."""
-    stage = story.Story("sia").play(0, TOGETHER).play(1, TOGETHER)
-    stage.begin(2)
-    assert stage.method.follows(2) == ("dancer_1",)
-    return stage
+    """A story at the beginning of iteration 2, in which dancer_1 is followed."""
+    played = story.Story("sia").play(0, TOGETHER).play(1, TOGETHER)
+    played.begin(2)
+    assert played.method.follows(2) == ("dancer_1",)
+    return played
 
 
 def sent(answers):
-    """(ordinal, person) of answers that trigger."""
+    """(ordinal, person) of the commands among a hook's actions."""
     return [(a.ordinal, a.person) for a in answers if isinstance(a, ScheduleCommand)]
 
 
 def test_iteration_one_is_scheduled_from_the_rehearsal(story):
-    stage = story.Story("sia").play(0, TOGETHER)
+    played = story.Story("sia").play(0, TOGETHER)
     eca = story.Story("eca").play(0, TOGETHER)
-    assert stage.after(1) == pytest.approx(eca.after(1))
-    assert stage.method.follows(1) == ()
-    before = len(stage.answers)
-    stage.play(1, TOGETHER)
-    assert all(answer.iteration == 2 for answer in stage.answers[before:])
+    assert played.after(1) == pytest.approx(eca.after(1))
+    assert played.method.follows(1) == ()
+    before = len(played.answers)
+    played.play(1, TOGETHER)
+    assert all(answer.iteration == 2 for answer in played.answers[before:])
 
 
 @pytest.mark.parametrize(("tau_s", "leader"), [(0.25, "dancer_1"), (1.0, "dancer_2")])
 def test_the_leader_is_the_most_synchronous_dancer_by_the_contexts_tau(story, tau_s, leader):
     """Dancers 1 and 2 coincide within .25 s and are tied; within 1 s dancer 2 coincides with dancer 3 as well."""
     offsets = {"dancer_1": 0.0, "dancer_2": 0.2, "dancer_3": 1.1}
-    stage = story.Story("sia", tau_s=tau_s).play(0, offsets).play(1, offsets)
-    assert stage.method.follows(2) == (leader,)
+    played = story.Story("sia", tau_s=tau_s).play(0, offsets).play(1, offsets)
+    assert played.method.follows(2) == (leader,)
 
 
 def test_the_robots_edges_while_it_follows_nobody_are_an_option(story):
@@ -51,20 +51,20 @@ def test_the_robots_edges_while_it_follows_nobody_are_an_option(story):
 
 
 def test_the_rehearsals_leader_is_followed_at_once_if_asked(story):
-    stage = story.Story("sia", first_followed_iteration=1).play(0, TOGETHER)
-    assert stage.method.follows(1) == ("dancer_1",)
-    assert sent(stage.tell(story.event("dancer_1", 1, SF, 0.1, early=True))) == [(0, "dancer_1")]
+    played = story.Story("sia", first_followed_iteration=1).play(0, TOGETHER)
+    assert played.method.follows(1) == ("dancer_1",)
+    assert sent(played.tell(story.event("dancer_1", 1, SF, 0.1, early=True))) == [(0, "dancer_1")]
 
 
 def test_one_dancer_always_late_is_never_followed(story):
     rng = np.random.default_rng(1)
     for _ in range(10):
-        stage = story.Story("sia")
+        played = story.Story("sia")
         for iteration in range(4):
             offsets = {name: rng.normal(0, 0.05, 9) for name in ("dancer_1", "dancer_3")}
-            stage.play(iteration, {**offsets, "dancer_2": 0.7 + rng.normal(0, 0.05, 9)})
-        assert all(stage.method.follows(i) != ("dancer_2",) for i in (2, 3, 4))
-        assert all(a.person != "dancer_2" for a in stage.answers)
+            played.play(iteration, {**offsets, "dancer_2": 0.7 + rng.normal(0, 0.05, 9)})
+        assert all(played.method.follows(i) != ("dancer_2",) for i in (2, 3, 4))
+        assert all(a.person != "dancer_2" for a in played.answers)
 
 
 def test_an_early_event_of_the_leader_triggers_at_once(following, story):
@@ -105,13 +105,13 @@ def test_an_early_clap_is_no_clap(following, story):
 
 
 def test_an_event_outside_the_window_is_not_followed(story):
-    stage = story.Story("sia", window_s=1.0).play(0, TOGETHER).play(1, TOGETHER)
-    stage.begin(2)
-    assert stage.tell(story.event("dancer_1", 2, SF, -1.1, early=True)) == []
-    assert sent(stage.tell(story.event("dancer_1", 2, SF, -0.9, early=True))) == [(0, "dancer_1")]
+    played = story.Story("sia", window_s=1.0).play(0, TOGETHER).play(1, TOGETHER)
+    played.begin(2)
+    assert played.tell(story.event("dancer_1", 2, SF, -1.1, early=True)) == []
+    assert sent(played.tell(story.event("dancer_1", 2, SF, -0.9, early=True))) == [(0, "dancer_1")]
 
 
-def test_a_silent_leader_leaves_the_fallback_at_the_windows_end(following, story):
+def test_without_events_of_the_leader_the_fallback_comes_at_the_end_of_the_window(following, story):
     for step in range(9):
         plan = following.plan[2, step]
         assert plan.why.startswith("fallback")
@@ -141,7 +141,7 @@ def test_a_phrase_that_comes_early_as_a_whole_is_followed(following, story):
     assert [sent(one) for one in answers] == [[(ordinal, "dancer_1")] for ordinal in (4, 5, 6, 7)]
 
 
-def test_a_phrase_that_is_danced_alone_is_not_scheduled_twice(story):
+def test_a_phrase_completed_without_the_leader_is_not_scheduled_twice(story):
     early = np.array([0.0, 0.0, 0.0, 0.0, -1.5, -1.5, 0.0, 0.0, 0.0])
     at = {"dancer_1": early, "dancer_2": early + 0.05, "dancer_3": early + 0.6}
     following = story.Story("sia").play(0, at).play(1, at)
@@ -154,7 +154,7 @@ def test_a_phrase_that_is_danced_alone_is_not_scheduled_twice(story):
     assert following.after(2)[5:8] == pytest.approx(alone)
 
 
-def test_who_comes_back_in_mid_phrase_is_waited_for_with_all_that_is_left(following, story):
+def test_a_leader_who_comes_back_within_a_phrase_is_waited_for_in_the_rest_of_it(following, story):
     planned = following.after(2)
     for index, kind in enumerate((SF, TF, SB, TB)):
         following.tell(story.event("dancer_1", 2, kind, story.nominal[index]))
@@ -185,7 +185,7 @@ def test_a_phrase_begun_too_late_is_made_shorter(story):
     assert (np.diff([begun, *rest]) < whole).all()
 
 
-def test_a_phrase_that_the_leader_leaves_out_is_danced_to_its_end_before_the_turn(following, story):
+def test_a_phrase_that_the_leader_leaves_out_is_completed_before_the_turn(following, story):
     planned = following.after(2)
     begun = planned[4]
     for index, kind in enumerate((SF, TF, SB, TB)):
@@ -216,11 +216,11 @@ def test_timers_do_nothing_while_the_leader_is_followed(following, story):
     assert following.wait(story.timetable.close_s(2)) == []
 
 
-def test_the_fallback_waits_for_its_schedule_if_that_is_later(story):
+def test_the_fallback_comes_at_its_scheduled_time_if_that_is_later(story):
     at = {"dancer_1": -0.7, "dancer_2": -0.7, "dancer_3": 0.7}
-    stage = story.Story("sia", window_s=0.3).play(0, at).play(1, at)
+    played = story.Story("sia", window_s=0.3).play(0, at).play(1, at)
     mean = -0.7 / 3  # all three lie within one chain of epsilon
-    assert stage.after(2)[:8] == pytest.approx(story.nominal[:8] + mean - LEAD_S)
+    assert played.after(2)[:8] == pytest.approx(story.nominal[:8] + mean - LEAD_S)
 
 
 def test_after_a_fallback_the_next_step_is_expected(following, story):
@@ -228,7 +228,7 @@ def test_after_a_fallback_the_next_step_is_expected(following, story):
     assert sent(following.tell(story.event("dancer_1", 2, TF, 2.2, early=True))) == [(1, "dancer_1")]
 
 
-def test_a_missed_move_is_passed_over_when_the_leader_is_past_it(following, story):
+def test_a_missed_stop_falls_back_when_the_leader_is_past_it(following, story):
     assert sent(following.tell(story.event("dancer_1", 2, SF, 0.0))) == [(0, "dancer_1")]
     # the stop is lost; the leader, half a second ahead, already goes back
     stop, start = following.tell(story.event("dancer_1", 2, SB, story.nominal[2] - 0.5))
@@ -237,7 +237,7 @@ def test_a_missed_move_is_passed_over_when_the_leader_is_past_it(following, stor
     assert (start.ordinal, start.person) == (2, "dancer_1")
 
 
-def test_a_move_whose_stop_was_seen_first_is_made_late_if_time_is_left(following, story):
+def test_a_move_whose_stop_is_detected_first_is_made_late_if_time_is_left(following, story):
     following.tell(story.event("dancer_1", 2, TB, story.nominal[3]))
     now = story.nominal[5] - 0.2
     start, stop = following.tell(story.event("dancer_1", 2, TF, now))
@@ -248,7 +248,7 @@ def test_a_move_whose_stop_was_seen_first_is_made_late_if_time_is_left(following
     assert sent(following.tell(story.event("dancer_1", 2, SB, story.nominal[6]))) == [(6, "dancer_1")]
 
 
-def test_a_move_that_would_not_be_over_in_time_is_passed_over_with_its_stop(following, story):
+def test_a_move_that_would_not_be_over_in_time_is_cancelled_with_its_stop(following, story):
     following.tell(story.event("dancer_1", 2, TB, story.nominal[3]))
     answers = following.tell(story.event("dancer_1", 2, TF, story.nominal[4] + 1.95))
     assert [type(one) for one in answers] == [CancelCommand, CancelCommand]
@@ -256,42 +256,42 @@ def test_a_move_that_would_not_be_over_in_time_is_passed_over_with_its_stop(foll
 
 
 def test_the_leaders_missing_time_is_replaced_by_the_schedule(story):
-    stage = story.Story("sia").play(0, TOGETHER)
-    stage.play(1, TOGETHER, skip=[("dancer_1", 4)])
-    assert stage.method.follows(2) == ("dancer_1",)  # tied with dancer_2, and followed before
+    played = story.Story("sia").play(0, TOGETHER)
+    played.play(1, TOGETHER, skip=[("dancer_1", 4)])
+    assert played.method.follows(2) == ("dancer_1",)  # tied with dancer_2, and followed before
     scheduled = story.nominal[4] + (0.05 + 0.6) / 2
-    assert stage.after(2)[4] == pytest.approx(scheduled + 2.0)
+    assert played.after(2)[4] == pytest.approx(scheduled + 2.0)
 
 
 def test_a_tie_keeps_the_leader_and_is_logged(story):
-    stage = story.Story("sia").play(0, {"dancer_1": 1.0, "dancer_2": 0.0, "dancer_3": 0.1})
-    assert stage.method.follows(1) == ()
-    stage.play(1, {"dancer_1": 0.0, "dancer_2": 0.0, "dancer_3": 0.0})
-    assert stage.method.follows(2) == ("dancer_2",)
-    assert "tie with dancer_1, dancer_3" in stage.plan[2, 0].why
+    played = story.Story("sia").play(0, {"dancer_1": 1.0, "dancer_2": 0.0, "dancer_3": 0.1})
+    assert played.method.follows(1) == ()
+    played.play(1, {"dancer_1": 0.0, "dancer_2": 0.0, "dancer_3": 0.0})
+    assert played.method.follows(2) == ("dancer_2",)
+    assert "tie with dancer_1, dancer_3" in played.plan[2, 0].why
 
 
 def test_an_iteration_without_events_keeps_leader_and_schedule(story):
-    stage = story.Story("sia").play(0, TOGETHER)
-    stage.play(1, {"dancer_1": 1.5, "dancer_2": 0.3, "dancer_3": 0.3})
-    assert stage.method.follows(2) == ("dancer_2",)
-    stage.begin(2)
-    stage.end(2)
-    assert stage.method.follows(3) == ("dancer_2",)
-    stage.begin(3)
-    assert sent(stage.tell(story.event("dancer_2", 3, SF, 0.0, early=True))) == [(0, "dancer_2")]
+    played = story.Story("sia").play(0, TOGETHER)
+    played.play(1, {"dancer_1": 1.5, "dancer_2": 0.3, "dancer_3": 0.3})
+    assert played.method.follows(2) == ("dancer_2",)
+    played.begin(2)
+    played.end(2)
+    assert played.method.follows(3) == ("dancer_2",)
+    played.begin(3)
+    assert sent(played.tell(story.event("dancer_2", 3, SF, 0.0, early=True))) == [(0, "dancer_2")]
 
 
 def test_a_new_leader_is_followed_from_the_close_of_the_window(story):
-    stage = (
+    played = (
         story.Story("sia").play(0, TOGETHER).play(1, TOGETHER).play(2, {"dancer_1": 2, "dancer_2": 0, "dancer_3": 0})
     )
     # before beat 0 of iteration 3
-    assert sent(stage.tell(story.event("dancer_2", 3, SF, -0.5, early=True))) == [(0, "dancer_2")]
-    assert stage.tell(story.event("dancer_1", 3, TF, 2.0, early=True)) == []
+    assert sent(played.tell(story.event("dancer_2", 3, SF, -0.5, early=True))) == [(0, "dancer_2")]
+    assert played.tell(story.event("dancer_1", 3, TF, 2.0, early=True)) == []
 
 
-def test_a_dance_that_ends_with_a_move_is_danced_alone_to_its_end(story):
+def test_a_dance_that_ends_with_a_move_is_completed_without_the_leader(story):
     steps, starts = march().steps(), (4.0, 30.0, 60.0)
     ends = tuple(start + 24.0 for start in starts)
     method = build_method("sia")

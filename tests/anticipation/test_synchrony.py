@@ -1,4 +1,4 @@
-"""The paper's equations by hand, by a second route, and by what must not change them."""
+"""The paper's equations: hand-made examples, a second route, and invariances."""
 
 import math
 

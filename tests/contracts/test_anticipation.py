@@ -1,4 +1,4 @@
-"""What every registered anticipation method keeps: the same story, told in every way that can happen."""
+"""The contract of every registered anticipation method: noisy, silent, shifted and repeated dances."""
 
 import dataclasses
 import math
@@ -16,6 +16,7 @@ from sjasim.core.tempo import TempoMap
 
 STEPS = paper().steps()
 TIMETABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)
+ALL_STEPS = {(iteration, step.ordinal) for iteration in range(1, 5) for step in STEPS}
 METHODS = tuple(name for name in registry.names("anticipation") if name != "learned")
 """All but the one that needs a trained policy's file (tests/anticipation/test_learned.py)."""
 
@@ -26,7 +27,15 @@ def context(cast=("dancer_1", "dancer_2", "dancer_3"), shift=0.0):
 
 
 def dance(method, plan, seed=0, missing=0.1, noise_s=0.3):
-    """Plays a whole noisy dance; returns (time, answer) in order."""
+    """Play a whole dance with noisy times and missing events.
+
+    Args:
+        missing: probability that an event is not detected; regular and early events are drawn separately.
+        noise_s: standard deviation of every step's time [s].
+
+    Returns:
+        (session time, action) in order.
+    """
     rng = np.random.default_rng(seed)
     told = []
     for i in range(5):
@@ -41,15 +50,22 @@ def dance(method, plan, seed=0, missing=0.1, noise_s=0.3):
                     arrival = at[0] + 0.02
                     event = Event(person, step.kind, at[0], arrival, at[1], i, "north")
                     told.append((arrival, 2, method.on_event, (event,)))
-    out, wakes = [], []
+
+    out = []
+    timers_s = []
     for now, _, hook, arguments in sorted(told, key=lambda item: item[:2]):
-        for wake in sorted(wake for wake in wakes if wake <= now):
-            wakes.remove(wake)
-            out += [(wake, answer) for answer in method.on_timer(wake)]
+        for timer_s in sorted(timer_s for timer_s in timers_s if timer_s <= now):
+            timers_s.remove(timer_s)
+            out += [(timer_s, answer) for answer in method.on_timer(timer_s)]
         answers = hook(*arguments)
-        wakes += [answer.t_s for answer in answers if isinstance(answer, SetTimer)]
+        timers_s += [answer.t_s for answer in answers if isinstance(answer, SetTimer)]
         out += [(now, answer) for answer in answers]
     return out
+
+
+def scheduled_steps(answers):
+    """(iteration, ordinal) of every command that was scheduled."""
+    return {(answer.iteration, answer.ordinal) for _, answer in answers if isinstance(answer, ScheduleCommand)}
 
 
 def start(name, plan, seed=0):
@@ -69,7 +85,7 @@ class TestEveryMethod:
             assert entry.config.__dataclass_params__.frozen
             assert all(f"{field.name}:" in entry.config.__doc__ for field in dataclasses.fields(entry.config))
 
-    def test_answers_only_for_steps_that_exist(self, name):
+    def test_acts_only_on_steps_that_exist(self, name):
         plan = context()
         for now, answer in dance(start(name, plan), plan):
             assert isinstance(answer, ScheduleCommand | CancelCommand | SetTimer)
@@ -84,13 +100,12 @@ class TestEveryMethod:
                 assert answer.why
                 assert plan.window_end_s[answer.iteration - 1] <= now
 
-    def test_intends_every_step_of_a_clean_dance(self, name):
+    def test_schedules_every_step_of_a_dance_without_missing_events(self, name):
         plan = context()
         answers = dance(start(name, plan), plan, missing=0.0, noise_s=0.02)
-        intended = {(a.iteration, a.ordinal) for _, a in answers if isinstance(a, ScheduleCommand)}
-        assert intended == {(i, step.ordinal) for i in range(1, 5) for step in STEPS}
+        assert scheduled_steps(answers) == ALL_STEPS
 
-    def test_same_story_same_answers_and_reset_forgets(self, name):
+    def test_the_same_dance_gives_the_same_actions_and_reset_forgets_everything(self, name):
         plan = context()
         method = start(name, plan)
         first = dance(method, plan)
@@ -98,7 +113,7 @@ class TestEveryMethod:
         assert dance(method, plan) == first
         assert dance(start(name, plan), plan) == first
 
-    def test_shifting_the_clock_shifts_the_answers(self, name):
+    def test_a_shifted_clock_shifts_the_actions(self, name):
         plan, later = context(), context(shift=1000.0)
         for (_, a), (_, b) in zip(dance(start(name, plan), plan), dance(start(name, later), later), strict=True):
             assert type(a) is type(b)
@@ -110,9 +125,10 @@ class TestEveryMethod:
         plan = context(cast)
         assert dance(start(name, plan), plan)
 
-    def test_survives_silence(self, name):
+    def test_schedules_every_step_without_any_event(self, name):
         plan = context()
-        dance(start(name, plan), plan, missing=1.1)
+        answers = dance(start(name, plan), plan, missing=1.1)
+        assert scheduled_steps(answers) == ALL_STEPS
 
 
 def test_options_are_checked():
@@ -126,6 +142,6 @@ def test_options_are_checked():
         build_method("tarantella")
 
 
-def test_what_is_no_method_is_named():
+def test_an_object_without_the_hooks_is_refused():
     with pytest.raises(PluginError, match="on_event"):
         build_method("collections:OrderedDict")

@@ -1,4 +1,4 @@
-"""A method and the dispatcher together, on events alone: what the robot is told in a whole dance."""
+"""A method and the dispatcher together, on scripted events: the commands of a whole dance."""
 
 import numpy as np
 import pytest
@@ -39,8 +39,8 @@ def performance(seed, lost=0.05, common_s=0.4, own_s=0.1):
     return times, events
 
 
-def conduct(name, events):
-    """Runs a method against the dispatcher, and returns it with every command in the order of sending."""
+def run_method(name, events):
+    """Run a method with the dispatcher; returns the dispatcher and every command in the order of sending."""
     method = build_method(name)
     method.reset(CONTEXT, np.random.default_rng(0))
     dispatcher = Dispatcher(CONTEXT, TIMETABLE, layout(CONFIG), CONFIG.robot, 10)
@@ -53,29 +53,29 @@ def conduct(name, events):
         while dispatcher.next_due_s <= t_s:
             now = dispatcher.next_due_s
             commands += dispatcher.due_commands(now)
-            for wake in dispatcher.due_timers(now):
-                dispatcher.handle(wake, method.on_timer(wake))
+            for timer_s in dispatcher.due_timers(now):
+                dispatcher.handle(timer_s, method.on_timer(timer_s))
         dispatcher.handle(t_s, hook(*arguments))
         commands += dispatcher.due_commands(t_s)
     return dispatcher, list({command.number: command for command in commands}.values())
 
 
 @pytest.mark.parametrize("name", ["sia", "eca", "metronome"])
-def test_a_clean_dance_is_commanded_whole_and_in_order(name):
+def test_a_dance_without_missing_events_is_commanded_completely_and_in_order(name):
     _, events = performance(0, lost=0.0)
-    _, commands = conduct(name, events)
+    _, commands = run_method(name, events)
     assert [(c.iteration, c.ordinal) for c in commands] == [(i, k) for i in range(1, 5) for k in range(9)]
     assert [c.number for c in commands] == list(range(1, 37))
     cycle = [Move.FORWARD, Move.STOP, Move.BACKWARD, Move.STOP] * 2 + [Move.TURN]
     assert [c.move for c in commands] == cycle * 4
 
 
-def test_sia_follows_a_group_that_shifts_together_and_eca_lags_a_dance_behind():
+def test_sia_follows_a_group_that_shifts_together_and_eca_lags_one_iteration_behind():
     late = {"sia": [], "eca": []}
     for seed in range(6):
         times, events = performance(seed)
         for name, found in late.items():
-            _, commands = conduct(name, events)
+            _, commands = run_method(name, events)
             found += [
                 abs(c.t_start_s - TIMETABLE.start_s(c.iteration) - times[c.iteration, :, c.ordinal].mean())
                 for c in commands
@@ -85,10 +85,10 @@ def test_sia_follows_a_group_that_shifts_together_and_eca_lags_a_dance_behind():
     assert np.median(late["sia"]) < 0.5 * np.median(late["eca"])
 
 
-def test_lost_events_cost_sia_single_steps_and_never_an_iteration():
+def test_missing_events_cost_sia_single_steps_and_never_an_iteration():
     fallbacks = skipped = steps = 0
     for seed in range(10):
-        dispatcher, commands = conduct("sia", performance(seed)[1])
+        dispatcher, commands = run_method("sia", performance(seed)[1])
         steps += 27
         assert all(sum(c.iteration == i for c in commands) >= 7 for i in range(1, 5))
         sent = [d for d in dispatcher.decisions if d.action == "sent" and d.iteration > 1]

@@ -1,4 +1,4 @@
-"""Things that break: every fault costs something, is named in the log, and lets the session end."""
+"""Faults: each one has a cost, is reported in the log, and lets the session end."""
 
 import pytest
 
@@ -7,8 +7,8 @@ from sjasim.core import ROBOT
 
 from .conftest import dance, heard_of
 
-AMID_S = 10.0
-"""Between the second and the third move of the short session."""
+FAULT_S = 10.0
+"""Session time of the faults, between the second and the third move [s]."""
 
 
 @pytest.fixture(scope="module")
@@ -16,24 +16,24 @@ def lossy():
     return dance(network=NetworkConfig(packet_loss=0.2))
 
 
-def test_with_nothing_wrong_nothing_is_noticed(clean):
+def test_without_faults_there_is_no_notice(clean):
     assert clean.notices == []
     assert clean.measures.robot.executed == 1.0
     assert clean.measures.robot_missed == 0
     assert clean.measures.detector.precision == 1.0
 
 
-def test_a_dead_sensor_that_nobody_faces_is_named_and_costs_nothing(clean):
-    session = dance(("dead_sensor", "east", AMID_S))
+def test_a_dead_sensor_that_nobody_faces_is_reported_and_costs_nothing(clean):
+    session = dance(("dead_sensor", "east", FAULT_S))
     assert session.notices == [("east", "client is dead: silent for more than 1 s")]
     assert [e.kind for e in session.log.events] == [e.kind for e in clean.log.events]
 
 
-def test_when_the_active_sensor_dies_another_takes_over_and_sees_less(clean):
-    session = dance(("dead_sensor", "north", AMID_S))
+def test_when_the_active_sensor_dies_another_takes_over_and_detects_less(clean):
+    session = dance(("dead_sensor", "north", FAULT_S))
     assert ("north", "client is dead: silent for more than 1 s") in session.notices
     assert any("takes over from north" in what for _, what in session.notices)
-    late = [event for event in session.log.events if event.t_s > AMID_S + 1.5]
+    late = [event for event in session.log.events if event.t_s > FAULT_S + 1.5]
     assert late
     assert "north" not in {event.sensor for event in late}
     assert session.measures.detector.logged < clean.measures.detector.logged
@@ -43,7 +43,7 @@ def test_when_the_active_sensor_dies_another_takes_over_and_sees_less(clean):
     assert session.log.cost["sim_s"] == clean.log.cost["sim_s"]
 
 
-def test_twenty_per_cent_packet_loss_is_named_and_costs_events(lossy, clean):
+def test_twenty_per_cent_packet_loss_is_reported_and_costs_events(lossy, clean):
     assert {source for source, what in lossy.notices if what.startswith("link loses packets")} == {
         "north", "west", "south", "east",
     }  # fmt: skip
@@ -56,8 +56,8 @@ def test_the_robot_dances_through_packet_loss_on_repeated_commands(lossy):
     assert lossy.measures.robot.executed == 1.0
 
 
-def test_a_clock_that_jumps_is_named_and_soon_right_again(clean):
-    session = dance(("clock_jump", "north", AMID_S, 2.5))
+def test_a_clock_jump_is_reported_and_soon_corrected(clean):
+    session = dance(("clock_jump", "north", FAULT_S, 2.5))
     ((source, what),) = session.notices
     assert source == "north"
     assert what.startswith("clock jumped by +2.5")
@@ -67,7 +67,7 @@ def test_a_clock_that_jumps_is_named_and_soon_right_again(clean):
 
 
 def test_a_blocked_robot_is_reported_and_its_steps_are_missed(clean):
-    session = dance(("robot_blocked", ROBOT, AMID_S))
+    session = dance(("robot_blocked", ROBOT, FAULT_S))
     assert session.notices
     assert {source for source, _ in session.notices} == {ROBOT}
     assert all(what.startswith("blocked") for _, what in session.notices)
@@ -77,9 +77,9 @@ def test_a_blocked_robot_is_reported_and_its_steps_are_missed(clean):
 
 
 def test_a_dead_robot_is_reported_and_its_steps_are_missed(clean):
-    session = dance(("dead_robot", ROBOT, AMID_S))
+    session = dance(("dead_robot", ROBOT, FAULT_S))
     assert session.notices == [(ROBOT, "robot is dead: silent for more than 1 s")]
-    assert session.log.odometry["t_s"][-1] < AMID_S
+    assert session.log.odometry["t_s"][-1] < FAULT_S
     assert session.measures.robot_missed >= 3
     assert len(session.log.commands) == 9
     assert len(heard_of(session, "dancer_1")) == 9

@@ -1,4 +1,4 @@
-"""A policy's file dances a whole session, and as it does in the environment that it is trained in."""
+"""A policy file as a method gives the same dance as in the environment that it is trained in."""
 
 import gymnasium as gym
 import numpy as np

@@ -1,4 +1,4 @@
-"""A scripted hall: four clients with their own clocks, dancers who stand and turn, and a server that listens."""
+"""A scripted hall: four clients with their own clocks, dancers who stand and turn, and the server."""
 
 import math
 from types import SimpleNamespace
@@ -27,7 +27,7 @@ class Hall:
 
     Attributes:
         yaw: (t_s, dancer) -> heading of a dancer; by default they turn from beat 32.5 to 36.
-        silent: sensor -> session time from which it says nothing.
+        silent: sensor -> session time from which it sends nothing.
         hidden: (sensor, t_s) -> whether the sensor sees nobody.
         hands: (sensor, t_s, dancer) -> share of the dancer's hands that the sensor sees.
     """
@@ -61,7 +61,7 @@ class Hall:
         return [notice for notice in self.server.notices if not notice.what.startswith("no event seen")]
 
     def send(self, sensor, t_s, message):
-        """Put a message on the wire from a sensor that still lives."""
+        """Send a message from a sensor that is not silent."""
         if t_s < self.silent.get(sensor, math.inf):
             self._inbox.append((t_s + DELAY_S, message))
 

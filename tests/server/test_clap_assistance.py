@@ -1,4 +1,4 @@
-"""Claps that the active client cannot see: who is asked to look, and which reports count."""
+"""Claps that the active client cannot see: which clients are asked to help, and which of their claps count."""
 
 import pytest
 
@@ -15,12 +15,12 @@ def behind(hall):
     return hall
 
 
-def told(hall, since_s=0.0):
+def assistants(hall, since_s=0.0):
     """Sensors that were asked to help, in the orders since a time."""
     return {order.sensor for t_s, order in hall.orders if order.assist and t_s >= since_s}
 
 
-def test_a_clap_behind_somebodys_back_is_heard_from_the_side(behind, world):
+def test_a_clap_hidden_behind_another_dancer_counts_from_the_side(behind, world):
     at = world.timetable.time_s(1, 32.0)
     behind.detect("west", at, 2, Kind.CLAP)
     (event,) = behind.run(at + 0.2)
@@ -28,7 +28,7 @@ def test_a_clap_behind_somebodys_back_is_heard_from_the_side(behind, world):
     assert event.t_s == pytest.approx(at, abs=1e-3)
 
 
-def test_no_clap_is_counted_twice_however_many_hear_it(behind, world):
+def test_no_clap_is_counted_twice_however_many_clients_report_it(behind, world):
     at = world.timetable.time_s(1, 32.0)
     for late, sensor in enumerate(("west", "north", "east", "west")):
         behind.detect(sensor, at + 0.2 * late, 2, Kind.CLAP)
@@ -55,24 +55,24 @@ def test_away_from_the_beat_no_clap_counts_from_the_side(behind, world, beat):
     assert behind.run(at + 0.5) == []
 
 
-def test_the_sides_look_around_the_beat_only(behind, world):
+def test_the_side_clients_are_asked_around_the_beat_only(behind, world):
     table = world.timetable
     behind.run(table.time_s(1, 27.5))
     begun = table.start_s(1)
-    assert told(behind, begun) == set()
+    assert assistants(behind, begun) == set()
     behind.run(table.time_s(1, 32.0))
-    assert told(behind, begun) == {"west", "east"}
+    assert assistants(behind, begun) == {"west", "east"}
     over = table.time_s(1, 36.5)
     behind.run(over + 2.0)
-    assert told(behind, over) == set()
+    assert assistants(behind, over) == set()
 
 
-def test_where_all_hands_are_seen_nobody_is_asked(hall, world):
+def test_no_client_is_asked_while_all_hands_are_visible(hall, world):
     hall.run(world.timetable.time_s(2, 4.0))
-    assert told(hall) == set()
+    assert assistants(hall) == set()
 
 
-def test_a_clap_at_the_handover_is_neither_lost_nor_doubled(behind, world):
+def test_a_clap_at_the_hand_over_is_neither_lost_nor_counted_twice(behind, world):
     """Late, with the active client already changing; the hall's next sensor, west, sees it from the side and then
     from the front."""
     at = world.timetable.time_s(1, 34.4)
@@ -91,7 +91,7 @@ def test_without_assistance_the_active_client_counts_alone(world):
     assert not assistance.accepts("dancer_1", at)
 
 
-def test_hands_that_were_unseen_a_moment_ago_still_need_help(world):
+def test_hands_that_were_not_visible_a_moment_ago_still_count_as_unseen(world):
     assistance = ClapAssistance(CAST, world.timetable, 2.0)
     at = world.timetable.time_s(1, 32.0)
     assistance.update(at - 1.5, ["dancer_1", "dancer_2"])

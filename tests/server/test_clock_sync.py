@@ -11,7 +11,7 @@ from sjasim.server.clock_sync import ClockSync
 
 
 def exchanges(seed, clock, sync, *, extra_s=0.0, until_s=60.0, loss=0.05, jitter_s=0.005):
-    """LinkMonitor at 4 Hz; yields session time after each, and the jump it reported."""
+    """Clock exchanges at 4 Hz; yields the session time after each, and the jump that it reported."""
     rng = np.random.default_rng(seed)
     for k in range(int(until_s * 4)):
         t_s = k * 0.25

@@ -1,4 +1,4 @@
-"""The server's ear: who is active, what counts, and that nothing is lost or doubled."""
+"""Fusion of the clients: the active sensor, the events that count, and that none is lost or counted twice."""
 
 from itertools import pairwise
 
