@@ -18,12 +18,12 @@ from rich.console import Console
 from rich.table import Table
 
 from sjasim.config import BodyConfig
+from sjasim.simulation.motion_recording import motion_figures
 from sjasim.simulation.motion_trials import (
     FULL_RANGE,
     collision_trial,
     count_falls_after_push,
     dance_trial,
-    motion_figures,
     timed_moves_trial,
 )
 

@@ -19,7 +19,9 @@ from PIL import Image, ImageDraw, ImageFont
 from sjasim.choreography.layout import layout
 from sjasim.config import DanceConfig, SessionConfig
 from sjasim.core import Move
-from sjasim.simulation.motion_trials import FULL_RANGE, OpenLoopWorld, motion_figures
+from sjasim.simulation.motion_recording import motion_figures
+from sjasim.simulation.motion_trials import FULL_RANGE
+from sjasim.simulation.open_loop_world import OpenLoopWorld
 from sjasim.simulation.rendering import Renderer
 
 DANCES = ("paper", "march", "waltz")
@@ -43,7 +45,7 @@ def row(name: str, seed: int) -> list[tuple[str, np.ndarray]]:
     pictures = []
     for cue in chosen:
         trial.run(cue.t_s + SHARES[cue.move] * cue.duration_s)
-        pictures.append((f"{name}: {cue.move.value}", camera.frame("dancers", "north")))
+        pictures.append((f"{name}: {cue.move.value}", camera.render("dancers", "north")))
     camera.close()
     found = motion_figures([trial.run().recording()])
     print(f"{name}: slip median {found['slip_median_mm']:.1f} mm, claps within {found['clap_p95_ms']:.0f} ms (p95)")

@@ -25,7 +25,7 @@ from sjasim.record.rerun.recording import save
 from sjasim.record.rerun.viewer import screenshot
 from sjasim.session.session import Session, run_session
 from sjasim.simulation.rendering import Renderer
-from sjasim.simulation.video import add_captions, caption_lines, caption_title
+from sjasim.simulation.video import add_captions, caption_title, captions
 
 ITERATION = 1
 ROOM = (1280, 720)
@@ -49,8 +49,8 @@ class Photographer:
     def tick(self, now: float) -> None:
         """At every camera frame: whether the moment has come."""
         if self.room is None and self.session.timetable.iteration_at(now) == ITERATION and now >= self._moment():
-            self.room = self._camera.frame("room", self.session.server.active)
-            self.film = add_captions(self.room, caption_title(self.session, now), caption_lines(self.session, now))
+            self.room = self._camera.render("scene", self.session.server.active)
+            self.film = add_captions(self.room, caption_title(self.session, now), captions(self.session, now))
 
     def _moment(self) -> float:
         """A little after the middle of the first move forward, of the dancers' mean."""

@@ -137,8 +137,8 @@ class _Dance(gym.Env[Any, Any]):
         config = self.config
         try:
             if self.render_mode == "human":
-                ViewerWindow.check()
-            Renderer.check(*self._size)
+                ViewerWindow.check_display()
+            Renderer.check_size(*self._size)
             if config.method != AGENT:
                 build_method(config.method, config.method_options)
             table = timetable(config)
@@ -272,7 +272,7 @@ class _Dance(gym.Env[Any, Any]):
                 self._pictures = ViewerWindow(physics) if human else Renderer(physics, *self._size, fine=False)
         except SjasimError as problem:
             raise error.DependencyNotInstalled(str(problem)) from problem
-        return self._pictures.frame()
+        return self._pictures.render()
 
     def close(self) -> None:
         """Release windows and graphics memory; a second call has no effect."""

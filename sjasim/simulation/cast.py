@@ -1,4 +1,4 @@
-"""Who dances: the human timing model that a configuration names, their builds, what they feel and what befalls them."""
+"""The dancers of a session: their timing model, their builds, their perception of the robot, and their faults."""
 
 from __future__ import annotations
 
@@ -21,58 +21,75 @@ from ..humans.timing.parameters import preset, read_parameters
 from ..humans.timing.replay import Replay
 from ..record.event_table import read_event_table
 
-REPLAY = "replay:"
-"""What stands before the file of recorded events."""
+REPLAY_PREFIX = "replay:"
+"""Prefix of ``SessionConfig.humans`` that is followed by a file of recorded events."""
 
 
 def make_human_timing(config: SessionConfig, timetable: Timetable) -> HumanTiming:
     """Make the human timing model of a session.
 
-    ``config.humans`` is a preset's name, a TOML file of `TimingParameters`' fields, ``replay:FILE`` of an event table
-    or a session's folder (``replay:FILE#SESSION`` where a table holds several), or ``module:Class`` of an own
-    `HumanTiming` that takes the same arguments as `EnsembleTiming` but for the parameters.
+    ``config.humans`` is one of
+
+    - a preset's name,
+    - a TOML file with the fields of `TimingParameters`,
+    - ``replay:FILE``, an event table or a session's folder; ``replay:FILE#SESSION`` for a table of several sessions,
+    - ``module:Class``, an implementation of `HumanTiming`. It is called with the arguments of `EnsembleTiming` except
+      the parameters.
 
     Raises:
-        SjasimError: there is no such preset, the file is wrong, or the model does not fit the group.
+        SjasimError: there is no such preset, the file is not valid, or the model does not fit the group.
     """
     name = config.humans
-    if name.startswith(REPLAY):
-        return _replay(name.removeprefix(REPLAY), timetable, config.dancers)
-    streams = (
-        stream(config.seed, "humans", "group"),
-        stream(config.seed, "humans", "performance", config.performance or config.method),
-    )
+    if name.startswith(REPLAY_PREFIX):
+        return _replay(name.removeprefix(REPLAY_PREFIX), timetable, config.dancers)
+
+    # Separate streams, so that the same people can dance another performance.
+    person_rng = stream(config.seed, "humans", "group")
+    performance_rng = stream(config.seed, "humans", "performance", config.performance or config.method)
     if name.endswith(".toml"):
-        return EnsembleTiming(read_parameters(Path(name)), timetable, config.dancers, *streams)
+        parameters = read_parameters(Path(name))
+        return EnsembleTiming(parameters, timetable, config.dancers, person_rng, performance_rng)
     if ":" not in name:
-        return EnsembleTiming(preset(name), timetable, config.dancers, *streams)
-    model = resolve("humans", name).factory(timetable, config.dancers, *streams)
+        return EnsembleTiming(preset(name), timetable, config.dancers, person_rng, performance_rng)
+
+    model = resolve("humans", name).factory(timetable, config.dancers, person_rng, performance_rng)
     if not isinstance(model, HumanTiming):
         raise PluginError(f"humans {name!r} made {type(model).__name__}, which lacks begin, decide or next_due_s")
     return model
 
 
-def _replay(source: str, timetable: Timetable, group: int) -> Replay:
+def _replay(source: str, timetable: Timetable, dancers: int) -> Replay:
+    """The timing model that repeats the events of one recorded session."""
     file, _, wanted = source.partition("#")
     events = read_event_table(Path(file))
     sessions = sorted({event.session for event in events})
     if not wanted and len(sessions) == 1:
         wanted = sessions[0]
+
     if wanted not in sessions:
-        allowed = f"one session of the table: {', '.join(f'{REPLAY}{file}#{session}' for session in sessions)}"
-        raise ConfigError("humans", REPLAY + source, allowed)
-    return Replay([event for event in events if event.session == wanted], file, timetable, group)
+        choices = ", ".join(f"{REPLAY_PREFIX}{file}#{session}" for session in sessions)
+        raise ConfigError("humans", REPLAY_PREFIX + source, f"one session of the table: {choices}")
+    return Replay([event for event in events if event.session == wanted], file, timetable, dancers)
 
 
 def perceived_timing_error_s(cues: Sequence[Cue], robot_events: Sequence[AgentEvent]) -> float | None:
-    """Mean distance from each robot event to the dancers' mean time of the nearest move of its kind [s].
+    """Mean timing error of the robot in an iteration, as the dancers perceive it [s].
 
-    None where nobody moved or the robot did not.
+    The error of a robot event is its distance from the dancers' mean time of the nearest event of the same kind. A turn
+    of the robot is compared with claps, since the robot turns where the dancers clap.
+
+    Args:
+        cues: the dancers' cues of the iteration.
+        robot_events: the robot's events of the iteration.
+
+    Returns:
+        the mean over the robot's events, or None if no robot event has a counterpart.
     """
     times: dict[tuple[Kind, int], list[float]] = {}
     for cue in cues:
         for kind, t_s in cue.events():
             times.setdefault((kind, cue.ordinal), []).append(t_s)
+
     errors = []
     for event in robot_events:
         kind = Kind.CLAP if event.kind is Kind.TURN else event.kind
@@ -82,23 +99,25 @@ def perceived_timing_error_s(cues: Sequence[Cue], robot_events: Sequence[AgentEv
     return float(np.mean(errors)) if errors else None
 
 
-def sample_build(config: SessionConfig, index: int) -> Build:
-    """Who stands in a slot: the same under every method."""
-    rng = stream(config.seed, "humans", "person", index)
-    stature = rng.uniform(*config.body.stature_m)
-    return Build(float(stature), float(rng.uniform(*config.body.mass_kg)))
+def sample_build(config: SessionConfig, dancer: int) -> Build:
+    """Draw the stature and mass of a dancer, which depend on the seed but not on the method."""
+    rng = stream(config.seed, "humans", "person", dancer)
+    stature_m = float(rng.uniform(*config.body.stature_m))
+    mass_kg = float(rng.uniform(*config.body.mass_kg))
+    return Build(stature_m, mass_kg)
 
 
 def cues_with_faults(cues: tuple[Cue, ...], faults: Sequence[FaultConfig]) -> tuple[Cue, ...]:
-    """Cues as they are performed by a dancer who is made late or made to stop."""
-    out = cues
+    """Apply the faults ``dancer_late`` and ``dancer_stops``: cues are delayed or left out."""
+    performed = cues
     for fault in faults:
         if fault.kind == "dancer_late":
-            out = tuple(cue.delayed(fault.value) if _hit(cue, fault) else cue for cue in out)
+            performed = tuple(cue.delayed(fault.value) if _is_affected(cue, fault) else cue for cue in performed)
         elif fault.kind == "dancer_stops":
-            out = tuple(cue for cue in out if not _hit(cue, fault))
-    return out
+            performed = tuple(cue for cue in performed if not _is_affected(cue, fault))
+    return performed
 
 
-def _hit(cue: Cue, fault: FaultConfig) -> bool:
+def _is_affected(cue: Cue, fault: FaultConfig) -> bool:
+    """Whether a fault of a dancer applies to a cue."""
     return cue.dancer == fault.target and cue.t_s >= fault.t_s

@@ -1,76 +1,102 @@
-"""Where robot and dancers touch, read out of the physics."""
+"""Contacts between the robot and the dancers, read from MuJoCo's state."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ..core import Array, BoolArray, IntArray
+from ..core.compiled import compiled_entry
 
-_SHELL, _FLESH = 1, 2
-"""On whose side a geom is: the robot's or a dancer's; 0 for the floor."""
+ROBOT_CODE = 1
+"""Code of the robot's geoms; other geoms, such as the floor, have the code 0."""
+
+DANCER_CODE = 2
+"""Code of the dancers' geoms. A contact of robot and dancer is one whose two codes add up to 3."""
 
 
-@njit(cache=True)
-def _near(positions: Array, flesh: IntArray, bounds: Array, com: Array, body: int, reach_m: float) -> bool:
-    """Whether a ball about one of the dancers' geoms reaches into the one about the robot.
+@compiled_entry
+def _spheres_overlap(
+    positions: Array, dancer_geoms: IntArray, radii: Array, com: Array, base: int, robot_radius_m: float
+) -> bool:
+    """Whether the bounding sphere of any of the dancers' geoms overlaps that of the robot.
 
     Args:
-        positions: (G, 3) of all geoms [m].
-        flesh: (N,) which of them are the dancers'.
-        bounds: (G,) radii of the balls about them [m].
-        com: (B, 3) where the centre of mass of each body with its children is [m].
-        body: the robot's: the middle of its ball.
-        reach_m: the radius of its ball.
+        positions: (G, 3) positions of all geoms [m].
+        dancer_geoms: (N,) indices of the dancers' geoms.
+        radii: (G,) radii of the bounding spheres of all geoms [m].
+        com: (B, 3) centres of mass of the subtrees of all bodies [m].
+        base: the robot's body, whose centre of mass is the centre of the robot's sphere.
+        robot_radius_m: radius of the robot's sphere.
     """
-    for geom in flesh:
+    for geom in dancer_geoms:
         square = 0.0
         for axis in range(3):
-            square += (positions[geom, axis] - com[body, axis]) ** 2
-        if square <= (bounds[geom] + reach_m) ** 2:
+            square += (positions[geom, axis] - com[base, axis]) ** 2
+        if square <= (radii[geom] + robot_radius_m) ** 2:
             return True
     return False
 
 
-@njit(cache=True)
-def _meet(pairs: NDArray[np.int32], side: NDArray[np.int8]) -> BoolArray:
-    """(C,) which contacts (C, 2) are of the robot with a dancer."""
+@compiled_entry
+def _robot_dancer_contacts(pairs: NDArray[np.int32], codes: NDArray[np.int8]) -> BoolArray:
+    """Which contacts are between the robot and a dancer.
+
+    Args:
+        pairs: (C, 2) geoms of each contact.
+        codes: (G,) code of each geom.
+
+    Returns:
+        (C,) booleans.
+    """
     out = np.empty(len(pairs), dtype=np.bool_)
     for k in range(len(pairs)):
-        out[k] = side[pairs[k, 0]] + side[pairs[k, 1]] == _SHELL + _FLESH
+        out[k] = codes[pairs[k, 0]] + codes[pairs[k, 1]] == ROBOT_CODE + DANCER_CODE
     return out
 
 
 class Contacts:
-    """The robot's contacts with dancers.
+    """Contacts between the robot and the dancers.
 
     Args:
-        model: MuJoCo's.
-        data: its state, at the start.
-        shell: the robot's geoms; none without a robot.
-        flesh: the dancers' geoms.
-        base: the robot's body.
+        model: MuJoCo's model.
+        data: MuJoCo's state in the initial pose.
+        robot_geoms: indices of the robot's geoms; empty without a robot.
+        dancer_geoms: indices of the dancers' geoms.
+        base: the robot's body; any body without a robot.
     """
 
-    def __init__(self, model: Any, data: Any, shell: IntArray, flesh: IntArray, base: int) -> None:
-        self._data, self._base, self._flesh = data, base, flesh
-        self._side = np.zeros(model.ngeom, dtype=np.int8)
-        self._side[shell], self._side[flesh] = _SHELL, _FLESH
-        self._positions, self._com, self._bounds = data.geom_xpos, data.subtree_com, model.geom_rbound.copy()
-        away_m = np.sqrt(((data.geom_xpos[shell] - data.subtree_com[base]) ** 2).sum(axis=1))
-        self._hull_m = float((away_m + self._bounds[shell]).max(initial=-np.inf))
+    def __init__(self, model: Any, data: Any, robot_geoms: IntArray, dancer_geoms: IntArray, base: int) -> None:
+        self._data = data
+        self._base = base
+        self._dancer_geoms = dancer_geoms
+        self._codes = np.zeros(model.ngeom, dtype=np.int8)
+        self._codes[robot_geoms] = ROBOT_CODE
+        self._codes[dancer_geoms] = DANCER_CODE
+
+        self._positions = data.geom_xpos
+        self._com = data.subtree_com
+        self._radii = model.geom_rbound.copy()
+        distance_m = np.sqrt(((data.geom_xpos[robot_geoms] - data.subtree_com[base]) ** 2).sum(axis=1))
+        # Without a robot the radius is -inf. Its square is infinite, but the list of contacts has none of a robot.
+        self._robot_radius_m = float((distance_m + self._radii[robot_geoms]).max(initial=-np.inf))
 
     def robot_touches_dancer(self) -> bool:
-        """Whether the robot touches a dancer at this moment."""
-        if not _near(self._positions, self._flesh, self._bounds, self._com, self._base, self._hull_m):
-            return False  # reading MuJoCo's list of contacts costs much more than this
-        return bool(_meet(self._data.contact.geom, self._side).any())
+        """Whether the robot is in contact with a dancer at this tick."""
+        # MuJoCo's list of contacts is expensive to read, so it is only read when robot and dancer are close.
+        if not _spheres_overlap(
+            self._positions, self._dancer_geoms, self._radii, self._com, self._base, self._robot_radius_m
+        ):
+            return False
+        return bool(_robot_dancer_contacts(self._data.contact.geom, self._codes).any())
 
-    def impact_n(self) -> float:
-        """How hard the robot and dancers press on each other at this moment: the sum of their contacts' forces [N]."""
+    def contact_force_n(self) -> float:
+        """Sum of the normal forces between the robot and the dancers at this tick [N]."""
         contact = self._data.contact
-        starts = contact.efc_address[_meet(contact.geom, self._side) & (contact.efc_address >= 0)]
+        selected = _robot_dancer_contacts(contact.geom, self._codes) & (contact.efc_address >= 0)
+        starts = contact.efc_address[selected]
+
+        # A contact has four constraint forces, along the edges of its friction pyramid. Their sum is the normal force.
         return float(sum(self._data.efc_force[start : start + 4].sum() for start in starts))

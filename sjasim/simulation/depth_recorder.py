@@ -1,4 +1,4 @@
-"""Watches a session through the active sensor's depth camera, a few pictures a second, for the recording."""
+"""Records depth images of the active sensor for the rerun recording, a few each second."""
 
 from __future__ import annotations
 
@@ -16,22 +16,25 @@ if TYPE_CHECKING:
     from ..session.session import Session
 
 PICTURES_HZ = 5
+"""Rate of the recorded images [Hz]."""
+
 STEP_MM = 10
-"""Depths are kept in steps of this: noise does not compress, and finer is below it."""
-EVERY_PIXEL = 2
-"""Of the camera's rows and columns one in so many is kept."""
+"""Resolution of the recorded depth [mm]. Finer steps would only store the camera's noise, which does not compress."""
+
+PIXEL_STRIDE = 2
+"""Interval between the recorded rows and columns of the camera's image."""
 
 
 class DepthRecorder:
-    """Keeps pictures of a session; add `tick` to its world's watchers before it begins.
+    """Records depth images of a session. Add `tick` to the watchers of its world before the session starts.
 
-    It has cameras and noise of its own, so that watching changes nothing.
+    It has its own cameras and noise, so that recording does not change the session.
 
     Args:
-        session: what to watch.
+        session: the session to record.
 
     Attributes:
-        pictures: what has been kept so far, oldest first.
+        pictures: the images so far, oldest first.
     """
 
     def __init__(self, session: Session) -> None:
@@ -46,11 +49,16 @@ class DepthRecorder:
         self.pictures: list[DepthPicture] = []
 
     def tick(self, now: float) -> None:
-        """A camera frame of the session."""
+        """Record an image of the active sensor if one is due.
+
+        Args:
+            now: session time of a frame [s].
+        """
         if self._frames % self._every == 0:
             sensor = self._session.server.active
-            depth_mm = self._cameras[sensor].frame(physics_of(self._session).physics)[::EVERY_PIXEL, ::EVERY_PIXEL]
-            coarse = (np.round(depth_mm / STEP_MM) * STEP_MM).astype(np.uint16)
-            png = imageio.imwrite("<bytes>", np.ascontiguousarray(coarse), extension=".png")
+            depth_mm = self._cameras[sensor].frame(physics_of(self._session).physics)
+            sampled_mm = depth_mm[::PIXEL_STRIDE, ::PIXEL_STRIDE]
+            rounded_mm = (np.round(sampled_mm / STEP_MM) * STEP_MM).astype(np.uint16)
+            png = imageio.imwrite("<bytes>", np.ascontiguousarray(rounded_mm), extension=".png")
             self.pictures.append(DepthPicture(now, sensor, png))
         self._frames += 1

@@ -1,7 +1,8 @@
-"""Where a session's CPU time goes, room by room, and what the bare physics of the same scene costs."""
+"""CPU time of a session by component, and that of the bare physics of the same scene."""
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -15,95 +16,69 @@ from ..core import Array
 from ..session.session import Session
 from .physics_world import physics_of
 
+WARM_UP_S = 10.0
+"""Simulated time of the session that runs before the measurement [s]."""
+
+SLICE_S = 4.0
+"""Simulated time after which the measurement switches between the session and the bare physics [s]."""
+
+CONTROLLER = "stabiliser"
+"""Component of the dancers' control steps, by the name that the benchmark's figures use."""
+
+METHOD_HOOKS = ("on_event", "on_iteration_start", "on_iteration_end", "on_timer")
+"""Methods of an anticipation method that a session calls."""
+
+Control = tuple[int, Array]
+"""A tick, and the actuator targets until it."""
+
 
 @dataclass(slots=True)
 class CpuProfiler:
-    """CPU seconds and calls by room; a call inside another room's call counts for the inner one only."""
+    """CPU time and number of calls by component.
+
+    The time of a call inside another component's call counts for the inner one only.
+
+    Attributes:
+        spent_s: component -> CPU time [s].
+        calls: component -> number of calls.
+    """
 
     spent_s: dict[str, float] = field(default_factory=dict)
     calls: dict[str, int] = field(default_factory=dict)
     _inner_s: list[float] = field(default_factory=lambda: [0.0])
 
-    def wrap(self, owner: Any, name: str, room: str) -> None:
-        """Count every call of one object's method for a room."""
+    def wrap(self, owner: Any, name: str, component: str) -> None:
+        """Replace a method of one object by one that counts its calls and time for a component."""
         original: Callable[..., Any] = getattr(owner, name)
 
         def timed(*args: Any, **kwargs: Any) -> Any:
-            begin = time.process_time()
+            start_s = time.process_time()
             self._inner_s.append(0.0)
             try:
                 return original(*args, **kwargs)
             finally:
-                whole = time.process_time() - begin
-                inner = self._inner_s.pop()
-                self._inner_s[-1] += whole
-                self.spent_s[room] = self.spent_s.get(room, 0.0) + whole - inner
-                self.calls[room] = self.calls.get(room, 0) + 1
+                duration_s = time.process_time() - start_s
+                inner_s = self._inner_s.pop()
+                self._inner_s[-1] += duration_s
+                self.spent_s[component] = self.spent_s.get(component, 0.0) + duration_s - inner_s
+                self.calls[component] = self.calls.get(component, 0) + 1
 
         setattr(owner, name, timed)
 
 
-def profile(config: SessionConfig) -> dict[str, Any]:
-    """Measure a session by room, then plain, in turn with the bare physics under the same controls.
-
-    A short session comes first, so that nothing is measured that a process does once, such as compiling. Plain
-    session and bare physics take turns of a few simulated seconds: a machine that slows down slows both.
-
-    Returns:
-        ``sim_s``, ``cpu_s`` of the plain session, ``raw_cpu_s`` of its controls replayed, ``room_cpu_s`` by room,
-        ``stabiliser_ticks``, ``decisions`` and ``peak_mb``.
-    """
-    warm = Session(config)
-    warm.advance(WARM_S)
-    warm.log()
-    meter, metered = CpuProfiler(), Session(config)
-    start = (physics_of(metered).physics.data.qpos.copy(), physics_of(metered).physics.data.qvel.copy())
-    controls = instrument_session(meter, metered)
-    metered.advance(metered.end_s)
-    metered.log()
-    bare = PhysicsReplay(physics_of(metered).physics.model, start, controls)
-    begin = time.process_time()
-    plain = Session(config)
-    cpu_s, raw_cpu_s = time.process_time() - begin, 0.0
-    while plain.time_s < plain.end_s - 1e-9:
-        begin = time.process_time()
-        plain.advance(min(plain.time_s + TURN_S, plain.end_s))
-        middle = time.process_time()
-        bare.advance(physics_of(plain).physics.tick)
-        cpu_s, raw_cpu_s = cpu_s + middle - begin, raw_cpu_s + time.process_time() - middle
-    begin = time.process_time()
-    plain.log()
-    cpu_s += time.process_time() - begin
-    if not np.array_equal(bare.data.qpos, physics_of(plain).physics.data.qpos):
-        raise AssertionError("the replayed physics went another way than the session's")
-    return {
-        "sim_s": plain.end_s,
-        "cpu_s": cpu_s,
-        "raw_cpu_s": raw_cpu_s,
-        "room_cpu_s": meter.spent_s,
-        "stabiliser_ticks": meter.calls["stabiliser"],
-        "decisions": meter.calls.get("decision"),
-        "peak_mb": peak_mb(),
-    }
-
-
-WARM_S = 10.0
-"""How much of a session is danced before anything is measured."""
-
-TURN_S = 4.0
-"""Simulated seconds of each turn."""
-
-
 class PhysicsReplay:
-    """The same physics with nothing around it.
+    """The physics of a session alone, with the recorded actuator targets of that session.
 
     Args:
-        model: of the session.
-        start: its first positions and velocities.
-        controls: what `instrument_session` recorded.
+        model: MuJoCo's model of the session.
+        start: initial positions and velocities.
+        controls: the recorded targets, see `instrument_session`.
+
+    Attributes:
+        data: MuJoCo's state.
     """
 
-    def __init__(self, model: Any, start: tuple[Array, Array], controls: list[tuple[int, Array]]) -> None:
+    def __init__(self, model: Any, start: tuple[Array, Array], controls: list[Control]) -> None:
         self._model = model
         self.data = mujoco.MjData(model)
         self.data.qpos[:], self.data.qvel[:] = start
@@ -111,84 +86,165 @@ class PhysicsReplay:
         self._controls = iter(controls)
         self._tick = 0
 
-    def advance(self, goal: int) -> None:
-        """Go on to a tick."""
+    def advance(self, tick: int) -> None:
+        """Advance the physics to a tick.
+
+        Raises:
+            StopIteration: the recorded targets end before it.
+        """
         ctrl = self.data.ctrl
-        while self._tick < goal:
+        while self._tick < tick:
             until, control = next(self._controls)
             ctrl[:] = control
             mujoco.mj_step(self._model, self.data, until - self._tick)
             self._tick = until
 
 
-def instrument_session(meter: CpuProfiler, session: Session) -> list[tuple[int, Array]]:
-    """Watch every room of a session; returns the list that its controls will be recorded in.
+def instrument_session(profiler: CpuProfiler, session: Session) -> list[Control]:
+    """Measure every component of a session, and record its actuator targets.
 
-    The turns of dancers and robot write their rows of the log themselves, so these count for stabiliser and robot.
+    The control steps of dancers and robot write their rows of the log themselves, which counts for these components.
+
+    Returns:
+        the list to which the targets are appended while the session runs.
     """
     world = physics_of(session)
     physics = world.physics
-    controls: list[tuple[int, Array]] = []
-    step = physics.step_to
+    controls: list[Control] = []
+    step_to = physics.step_to
 
-    def recording(tick: int) -> None:
+    def record_and_step(tick: int) -> None:
         controls.append((tick, physics.data.ctrl.copy()))
-        step(tick)
+        step_to(tick)
 
-    physics.step_to = recording  # type: ignore[method-assign]
-    watched = [
-        (physics, "step_to", "physics"), (world.dancers, "step", "stabiliser"),
-        (world.scheduler, "decide", "planning"), (world.scheduler, "plan", "planning"),
+    physics.step_to = record_and_step  # type: ignore[method-assign]
+    methods: list[tuple[Any, str, str]] = [
+        (physics, "step_to", "physics"),
+        (world.dancers, "step", CONTROLLER),
+        (world.scheduler, "decide", "planning"),
+        (world.scheduler, "plan", "planning"),
         (world, "update_sensors", "sensing"),
         (world, "update_robot", "robot"),
-        (session.server, "receive", "server"), (session.server, "due", "server"), (session.dispatcher, "due", "server"),
-    ]  # fmt: skip
-    watched += [
+        (session.server, "receive", "server"),
+        (session.server, "due", "server"),
+        (session.dispatcher, "due", "server"),
         (session, "log", "logging"),
-        *((world.recorder, name, "logging") for name in ("add_frame", "add_skeletons")),
+        (world.recorder, "add_frame", "logging"),
+        (world.recorder, "add_skeletons", "logging"),
     ]
     if session.method is not None:
-        hooks = ("on_event", "on_iteration_start", "on_iteration_end", "on_timer")
-        watched += [(session.method, name, "decision") for name in hooks]
-    for owner, name, room in watched:
-        meter.wrap(owner, name, room)
+        methods += [(session.method, name, "decision") for name in METHOD_HOOKS]
+    for owner, name, component in methods:
+        profiler.wrap(owner, name, component)
     return controls
 
 
-def profile_depth(config: SessionConfig) -> dict[str, Any]:
-    """Measure a whole session with depth sensing, hand-overs included, and a frame of it.
+def profile(config: SessionConfig) -> dict[str, Any]:
+    """Measure a session by component, then measure it again without a profiler, beside the bare physics.
 
-    Image, noise and skeletons of the first active sensor are watched in a second session, so that the first one is
-    measured without anybody looking.
+    A short session runs first, so that costs of the process, such as compiling, are not measured. The second session
+    and the bare physics alternate every few simulated seconds, so that a machine that slows down slows both.
 
     Returns:
-        ``depth_sim_s`` and ``depth_cpu_s`` of the session; ``depth_frames`` and ``depth_frame_cpu_s`` of the frames.
+        ``sim_s``; ``cpu_s`` of the session without profiler; ``raw_cpu_s`` of the bare physics under the session's
+        actuator targets; ``room_cpu_s`` by component; ``stabiliser_ticks``; ``decisions``, the number of calls of the
+        method, None without one; and ``peak_mb``.
+
+    Raises:
+        AssertionError: the replayed physics differs from the session's, so that the comparison would be wrong.
+    """
+    _warm_up(config)
+    profiler = CpuProfiler()
+    profiled = Session(config)
+    data = physics_of(profiled).physics.data
+    start = (data.qpos.copy(), data.qvel.copy())
+    controls = instrument_session(profiler, profiled)
+    profiled.advance(profiled.end_s)
+    profiled.log()
+
+    replay = PhysicsReplay(physics_of(profiled).physics.model, start, controls)
+    session, cpu_s, raw_cpu_s = _alternate(config, replay)
+    if not np.array_equal(replay.data.qpos, physics_of(session).physics.data.qpos):
+        raise AssertionError("the replayed physics differs from the session's")
+    return {
+        "sim_s": session.end_s,
+        "cpu_s": cpu_s,
+        "raw_cpu_s": raw_cpu_s,
+        "room_cpu_s": profiler.spent_s,
+        "stabiliser_ticks": profiler.calls[CONTROLLER],
+        "decisions": profiler.calls.get("decision"),
+        "peak_mb": peak_mb(),
+    }
+
+
+def _warm_up(config: SessionConfig) -> None:
+    """Run the beginning of a session, and its log."""
+    session = Session(config)
+    session.advance(WARM_UP_S)
+    session.log()
+
+
+def _alternate(config: SessionConfig, replay: PhysicsReplay) -> tuple[Session, float, float]:
+    """Run a session and its replay in turns.
+
+    Returns:
+        the session, and the CPU times of session and replay [s].
+    """
+    start_s = time.process_time()
+    session = Session(config)
+    cpu_s = time.process_time() - start_s
+    raw_cpu_s = 0.0
+
+    while session.time_s < session.end_s - 1e-9:
+        start_s = time.process_time()
+        session.advance(min(session.time_s + SLICE_S, session.end_s))
+        middle_s = time.process_time()
+        replay.advance(physics_of(session).physics.tick)
+        cpu_s += middle_s - start_s
+        raw_cpu_s += time.process_time() - middle_s
+
+    start_s = time.process_time()
+    session.log()
+    cpu_s += time.process_time() - start_s
+    return session, cpu_s, raw_cpu_s
+
+
+def profile_depth(config: SessionConfig) -> dict[str, Any]:
+    """Measure a whole session with depth sensing, and the frames of its first active sensor.
+
+    The frames are measured in a second session, so that the first one runs without a profiler.
+
+    Returns:
+        ``depth_sim_s`` and ``depth_cpu_s`` of the session; ``depth_frames``, and ``depth_frame_cpu_s`` of all of them
+        together.
     """
     config = replace(config, sensing="depth")
-    Session(config).advance(WARM_S)
-    begin = time.process_time()
+    Session(config).advance(WARM_UP_S)
+    start_s = time.process_time()
     session = Session(config)
     session.advance(session.end_s)
     session.log()
-    cpu_s = time.process_time() - begin
-    meter, watched = CpuProfiler(), Session(config)
-    meter.wrap(physics_of(watched).sensing[watched.server.active], "sample", "depth")
-    watched.advance(WARM_S)
+    cpu_s = time.process_time() - start_s
+
+    profiler = CpuProfiler()
+    profiled = Session(config)
+    profiler.wrap(physics_of(profiled).sensing[profiled.server.active], "sample", "depth")
+    profiled.advance(WARM_UP_S)
     return {
         "depth_sim_s": session.end_s,
         "depth_cpu_s": cpu_s,
-        "depth_frames": meter.calls["depth"],
-        "depth_frame_cpu_s": meter.spent_s["depth"],
+        "depth_frames": profiler.calls["depth"],
+        "depth_frame_cpu_s": profiler.spent_s["depth"],
     }
 
 
 def peak_mb() -> float | None:
-    """Peak memory of this process [MB]; None where the system does not tell."""
+    """Peak memory of this process [MB]; None on Windows, which lacks ``getrusage``."""
     try:
         import resource
     except ImportError:
         return None
-    import sys
 
+    # Bytes on macOS, kilobytes elsewhere.
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak / (1e6 if sys.platform == "darwin" else 1e3)

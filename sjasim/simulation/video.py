@@ -1,4 +1,4 @@
-"""A session as a film with captions of what happens, drawn in software while the session is danced."""
+"""Writes a video of a session, with captions of its events, while the session runs."""
 
 from __future__ import annotations
 
@@ -12,125 +12,168 @@ from ..assets.colours import dancer_colour
 from ..core import ROBOT
 from ..core.errors import RecordError
 from .physics_world import physics_of
-from .rendering import Picture, Renderer, RenderError
+from .rendering import Picture, Renderer
 
 if TYPE_CHECKING:
     from ..session.session import Session
 
-SIZE = (960, 540)
-EVERY = 2
-"""Of how many camera frames one is filmed; the film runs at true speed."""
+Colour = tuple[int, int, int]
+"""Red, green and blue, 0 to 255."""
 
-SHOWN_S = 2.0
-"""How long a caption stays."""
+SIZE_PX = (960, 540)
+"""Width and height of a video."""
 
-LINES = 5
-INK, AMBER = (25, 25, 30), (170, 110, 0)
-SAYS = {
-    "start_forward": "goes forward", "stop_forward": "stops", "start_backward": "goes backward",
-    "stop_backward": "stops", "clap": "claps", "turn": "turns",
-}  # fmt: skip
+FRAME_STRIDE = 2
+"""Interval between the filmed frames of the sensors. The video runs in real time."""
+
+CAPTION_S = 2.0
+"""Duration of a caption [s]."""
+
+MAX_CAPTIONS = 5
+"""Largest number of captions at a time."""
+
+TEXT_COLOUR: Colour = (25, 25, 30)
+"""Colour of the title and of the captions of commands."""
+
+ROBOT_COLOUR: Colour = (170, 110, 0)
+"""Colour of the captions of robot events."""
+
+VERBS = {
+    "start_forward": "goes forward",
+    "stop_forward": "stops",
+    "start_backward": "goes backward",
+    "stop_backward": "stops",
+    "clap": "claps",
+    "turn": "turns",
+}
+"""Kind of event -> its caption, after the name of who moved."""
 
 
 class VideoWriter:
-    """Films a session: add `tick` to its world's watchers before it begins, and `close` it at the end.
+    """Writes a video of a session. Add `tick` to the watchers of its world before the session starts.
 
     Args:
-        session: what to film.
-        path: the .mp4 file; it appears when the film is closed.
-        camera: see `render.CAMERAS`.
+        session: the session to film.
+        path: the .mp4 file, which appears when the writer is closed.
+        camera: a name of `rendering.CAMERAS`.
 
     Raises:
-        RenderError: there is nothing to draw with.
-        RecordError: the package that writes films is missing.
+        RenderError: there is no OpenGL.
+        RecordError: the package that writes videos is not installed.
     """
 
-    def __init__(self, session: Session, path: Path, camera: str = "room") -> None:
+    def __init__(self, session: Session, path: Path, camera: str = "scene") -> None:
         check_writer()
         import imageio_ffmpeg
 
-        self._session, self._path, self._camera = session, path, camera
-        self._draft = path.with_name(f".{path.stem}.partial.mp4")
-        self._renderer = Renderer(physics_of(session).physics, *SIZE, session.layout.mounts, fine=False)
-        rate = session.config.sensors.rate_hz / EVERY
+        self._session = session
+        self._path = path
+        self._camera = camera
+        self._partial_path = path.with_name(f".{path.stem}.partial.mp4")
+        self._renderer = Renderer(physics_of(session).physics, *SIZE_PX, session.layout.mounts, fine=False)
         self._writer: Generator[None, Any, None] = imageio_ffmpeg.write_frames(
-            str(self._draft), SIZE, fps=rate, quality=7, macro_block_size=4, ffmpeg_log_level="error"
+            str(self._partial_path),
+            SIZE_PX,
+            fps=session.config.sensors.rate_hz / FRAME_STRIDE,
+            quality=7,
+            macro_block_size=4,
+            ffmpeg_log_level="error",
         )
+        # The first value starts the generator, which opens the file.
         self._writer.send(None)
         self._frames = 0
 
     def tick(self, now: float) -> None:
-        """A camera frame of the session."""
-        if self._frames % EVERY == 0:
-            picture = self._renderer.frame(self._camera, self._session.server.active)
-            self._writer.send(
-                np.ascontiguousarray(
-                    add_captions(picture, caption_title(self._session, now), caption_lines(self._session, now))
-                )
-            )
+        """Add a picture to the video if one is due.
+
+        Args:
+            now: session time of a frame of the sensors [s].
+        """
+        if self._frames % FRAME_STRIDE == 0:
+            picture = self._renderer.render(self._camera, self._session.server.active)
+            title = caption_title(self._session, now)
+            self._writer.send(np.ascontiguousarray(add_captions(picture, title, captions(self._session, now))))
         self._frames += 1
 
     def close(self, keep: bool = True) -> None:
-        """End the film; it is thrown away unless it is to be kept."""
+        """Finish the video.
+
+        Args:
+            keep: whether to keep the file; it is deleted otherwise.
+        """
         self._writer.close()
         self._renderer.close()
         if keep:
-            self._draft.replace(self._path)
+            self._partial_path.replace(self._path)
         else:
-            self._draft.unlink(missing_ok=True)
+            self._partial_path.unlink(missing_ok=True)
 
 
 def check_writer() -> None:
-    """Make sure that films can be written.
+    """Check that videos can be written.
 
     Raises:
-        RecordError: the package is missing.
+        RecordError: the package imageio-ffmpeg is not installed.
     """
     try:
         import imageio_ffmpeg  # noqa: F401
     except ImportError:
-        raise RecordError("films need imageio-ffmpeg: pip install imageio-ffmpeg") from None
+        raise RecordError("videos need imageio-ffmpeg: pip install imageio-ffmpeg") from None
 
 
 def caption_title(session: Session, now: float) -> str:
-    """Time, iteration, and what the method last said."""
+    """The line above a picture: time, iteration, method and active sensor."""
     iteration = session.timetable.iteration_at(now)
     name = f"iteration {iteration}" if iteration else "rehearsal"
     return f"{now:5.1f} s   {name}   method {session.config.method}   active sensor: {session.server.active}"
 
 
-def caption_lines(session: Session, now: float) -> list[tuple[str, tuple[int, int, int]]]:
-    """What was seen and done of late, oldest first, each with its agent's colour."""
-    found: list[tuple[float, str, tuple[int, int, int]]] = []
+def captions(session: Session, now: float) -> list[tuple[str, Colour]]:
+    """The lines below a picture: the events and commands of the last `CAPTION_S`, oldest first, with their colours."""
+    found: list[tuple[float, str, Colour]] = []
+
+    # Only the ends of the lists can be recent enough, and a session has thousands of events.
     for event in session.events[-40:]:
-        if not event.early and now - SHOWN_S <= event.t_arrival_s <= now:
+        if not event.early and now - CAPTION_S <= event.t_arrival_s <= now:
             colour = dancer_colour(int(event.person.rpartition("_")[2]) - 1)
-            found.append((event.t_arrival_s, f"{event.person} {SAYS[event.kind.value]}", colour))
+            found.append((event.t_arrival_s, f"{event.person} {VERBS[event.kind.value]}", colour))
     for command in session.commands[-8:]:
-        if now - SHOWN_S <= command.t_start_s <= now:
-            found.append((command.t_start_s, f"command {command.move.value}: {command.why}", INK))
-    for deed in session.world.robot_events[-8:]:
-        if now - SHOWN_S <= deed.t_s <= now:
-            found.append((deed.t_s, f"{ROBOT} {SAYS[deed.kind.value]}", AMBER))
-    return [(f"{t_s:6.2f}  {text}", colour) for t_s, text, colour in sorted(found)[-LINES:]]
+        if now - CAPTION_S <= command.t_start_s <= now:
+            found.append((command.t_start_s, f"command {command.move.value}: {command.why}", TEXT_COLOUR))
+    for action in session.world.robot_events[-8:]:
+        if now - CAPTION_S <= action.t_s <= now:
+            found.append((action.t_s, f"{ROBOT} {VERBS[action.kind.value]}", ROBOT_COLOUR))
+
+    return [(f"{t_s:6.2f}  {text}", colour) for t_s, text, colour in sorted(found)[-MAX_CAPTIONS:]]
 
 
-def add_captions(picture: Picture, head: str, below: Sequence[tuple[str, tuple[int, int, int]]]) -> Picture:
-    """A picture with a line above and lines below, on a light ground."""
+def add_captions(picture: Picture, title: str, lines: Sequence[tuple[str, Colour]]) -> Picture:
+    """Draw a title and captions over a picture.
+
+    Args:
+        picture: (H, W, 3).
+        title: text at the top.
+        lines: texts at the bottom, with their colours.
+
+    Returns:
+        a new picture of the same size.
+    """
     from PIL import Image, ImageDraw, ImageFont
 
+    height_px, width_px = picture.shape[:2]
     image = Image.fromarray(picture)
     draw = ImageDraw.Draw(image, "RGBA")
-    size = max(12, picture.shape[0] // 30)
-    font = ImageFont.load_default(size)
-    draw.rectangle((0, 0, picture.shape[1], size + 14), fill=(250, 250, 250, 200))
-    draw.text((12, 5), head, font=font, fill=INK)
-    top = picture.shape[0] - len(below) * (size + 5) - 10
-    if below:
-        draw.rectangle((0, top - 4, picture.shape[1], picture.shape[0]), fill=(250, 250, 250, 180))
-    for row, (text, colour) in enumerate(below):
-        draw.text((12, top + row * (size + 5)), text, font=font, fill=tuple(int(0.75 * value) for value in colour))
+    size_px = max(12, height_px // 30)
+    font = ImageFont.load_default(size_px)
+    draw.rectangle((0, 0, width_px, size_px + 14), fill=(250, 250, 250, 200))
+    draw.text((12, 5), title, font=font, fill=TEXT_COLOUR)
+
+    line_px = size_px + 5
+    top_px = height_px - len(lines) * line_px - 10
+    if lines:
+        draw.rectangle((0, top_px - 4, width_px, height_px), fill=(250, 250, 250, 180))
+    for row, (text, colour) in enumerate(lines):
+        # Darker than the dancers' shirts, so that the text can be read on a light ground.
+        darker = tuple(int(0.75 * value) for value in colour)
+        draw.text((12, top_px + row * line_px), text, font=font, fill=darker)
     return np.asarray(image, dtype=np.uint8)
-
-
-__all__ = ["RenderError", "VideoWriter", "add_captions", "caption_lines", "caption_title", "check_writer"]

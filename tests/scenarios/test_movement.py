@@ -6,13 +6,8 @@ import math
 import pytest
 
 from sjasim.config import DanceConfig
-from sjasim.simulation.motion_trials import (
-    FULL_RANGE,
-    collision_trial,
-    count_falls_after_push,
-    dance_trial,
-    motion_figures,
-)
+from sjasim.simulation.motion_recording import motion_figures
+from sjasim.simulation.motion_trials import FULL_RANGE, collision_trial, count_falls_after_push, dance_trial
 
 DANCE = DanceConfig(rehearsal=False)
 

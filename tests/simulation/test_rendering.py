@@ -29,7 +29,7 @@ def renderer(world):
 
 @pytest.mark.parametrize("camera", CAMERAS)
 def test_every_camera_sees_the_group(renderer, camera):
-    picture = renderer.frame(camera, active="north")
+    picture = renderer.render(camera, active="north")
     assert picture.shape == (90, 160, 3)
     assert picture.dtype == np.uint8
     red, green, blue = (picture[..., channel].astype(int) for channel in range(3))
@@ -38,19 +38,19 @@ def test_every_camera_sees_the_group(renderer, camera):
 
 
 def test_the_active_sensor_is_lit(renderer):
-    assert (renderer.frame("room", "north") != renderer.frame("room", "")).any()
+    assert (renderer.render("scene", "north") != renderer.render("scene", "")).any()
 
 
 def test_looking_changes_nothing(world, renderer):
     before = world[0].physics.data.qpos.copy(), world[0].physics.data.time
-    renderer.frame()
+    renderer.render()
     assert np.array_equal(world[0].physics.data.qpos, before[0])
     assert world[0].physics.data.time == before[1]
 
 
 def test_unknown_cameras_and_sizes_are_refused(world, renderer):
-    with pytest.raises(RenderError, match="known are room"):
-        renderer.frame("attic")
+    with pytest.raises(RenderError, match="known are scene"):
+        renderer.render("attic")
     with pytest.raises(RenderError, match="not allowed"):
         Renderer(world[0].physics, 8, 8)
 
