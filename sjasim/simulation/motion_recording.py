@@ -48,10 +48,9 @@ class MotionRecording:
     def completed_cues(self, dancer: int) -> list[Cue]:
         """Cues of a dancer that were completed before the recording ended."""
         name = dancer_name(dancer)
+        end_s = self.t_s[-1]
         return [
-            cue
-            for cue in self.cues
-            if cue.dancer == name and cue.t_s + cue.duration_s + COMPLETION_MARGIN_S < self.t_s[-1]
+            cue for cue in self.cues if cue.dancer == name and cue.t_s + cue.duration_s + COMPLETION_MARGIN_S < end_s
         ]
 
 

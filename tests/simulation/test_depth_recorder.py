@@ -1,4 +1,4 @@
-"""Depth images of the active sensor: what is kept is what its camera sees, and a recording holds it."""
+"""Recorded depth images: they show the scene, they are in the rerun recording, and they do not change the session."""
 
 from __future__ import annotations
 
@@ -6,43 +6,54 @@ import dataclasses
 
 import imageio.v3 as imageio
 import numpy as np
+import pytest
 import rerun as rr
 
-from sjasim.config import SessionConfig
 from sjasim.record.rerun.recording import save
 from sjasim.session.session import Session
 from sjasim.simulation.depth_recorder import PICTURES_HZ, STEP_MM, DepthRecorder
 
-SECONDS = 1.0
+DURATION_S = 1.0
 
 
-def watched() -> tuple[Session, DepthRecorder]:
-    session = Session(SessionConfig(method="none", humans="metronomic", sensing="joints"))
-    watch = DepthRecorder(session)
-    session.world.watchers.append(watch.tick)
-    session.advance(SECONDS)
-    return session, watch
+@pytest.fixture(scope="module")
+def config(short_config):
+    return dataclasses.replace(short_config, method="none")
 
 
-def test_pictures_of_people_are_kept_and_recorded(tmp_path):
-    session, watch = watched()
-    assert len(watch.pictures) == SECONDS * PICTURES_HZ
-    image = imageio.imread(watch.pictures[-1].png, extension=".png")
-    assert image.shape == (106, 128)
-    assert (image % STEP_MM == 0).all()
-    near = image[(image > 1500) & (image < 4500)]
-    assert len(near) > 500  # three people and the floor between them
-    assert {picture.sensor for picture in watch.pictures} == {"east"}
-    save(dataclasses.replace(session.log(), depth=tuple(watch.pictures)), tmp_path / "session.rrd")
+@pytest.fixture(scope="module")
+def recorded(config) -> tuple[Session, DepthRecorder]:
+    """One second of a session whose depth images are recorded."""
+    session = Session(config)
+    recorder = DepthRecorder(session)
+    session.world.watchers.append(recorder.tick)
+    session.advance(DURATION_S)
+    return session, recorder
+
+
+def test_images_show_the_scene_at_the_recorded_resolution(recorded):
+    session, recorder = recorded
+    assert len(recorder.pictures) == DURATION_S * PICTURES_HZ
+    assert {picture.sensor for picture in recorder.pictures} == {session.server.active}
+    image_mm = imageio.imread(recorder.pictures[-1].png, extension=".png")
+    assert image_mm.shape == (106, 128)
+    assert (image_mm % STEP_MM == 0).all()
+    near = image_mm[(image_mm > 1500) & (image_mm < 4500)]
+    assert len(near) > 500  # three dancers and the floor between them
+
+
+def test_the_rerun_recording_has_every_image(recorded, tmp_path):
+    session, recorder = recorded
+    save(dataclasses.replace(session.log(), depth=tuple(recorder.pictures)), tmp_path / "session.rrd")
     found = 0
     for chunk in rr.chunk.RrdReader(tmp_path / "session.rrd").stream():
         if str(chunk.entity_path) == "/depth" and not chunk.is_static:
             found += len(chunk.to_record_batch())
-    assert found == len(watch.pictures)
+    assert found == len(recorder.pictures) > 0
 
 
-def test_watching_changes_nothing():
-    session, _ = watched()
-    alone = Session(SessionConfig(method="none", humans="metronomic", sensing="joints"))
-    alone.advance(SECONDS)
+def test_recording_does_not_change_the_session(recorded, config):
+    session, _ = recorded
+    alone = Session(config)
+    alone.advance(DURATION_S)
     assert np.array_equal(session.world.physics.data.qpos, alone.world.physics.data.qpos)
