@@ -1,4 +1,4 @@
-"""Measure depth sensing on bodies, seeds and layouts that its training never saw; a table, or JSON.
+"""Evaluate depth sensing with bodies, seeds and layouts that its training did not use; prints a table or JSON.
 
 python scripts/evaluate_skeleton.py --dances 4
 python scripts/evaluate_skeleton.py --only facing yaw_90 --json
@@ -30,74 +30,106 @@ CONDITIONS: dict[str, dict[str, Any]] = {
     "aligned_rows": {"aligned": True},
     "512_columns": {"width_px": 512},
 }
-"""Name -> what is special about its trials."""
+"""Name of a condition to the fields of its trials."""
 
 TARGETS_CM = {
-    "facing": (1.7, 5.0), "extreme_builds": (3.0, 8.0), "yaw_45": (2.2, 8.0), "yaw_-45": (2.2, 8.0),
-    "yaw_90": (4.0, 15.0), "yaw_-90": (4.0, 15.0),
-}  # fmt: skip
-"""Name -> median and p95 error of visible joints to reach [cm]; with them 98 % tracked, no swap, a SpineBase that
-shakes by .05 cm, 6 ms a frame, no event missed, 1 % false, and 33 ms."""
+    "facing": (1.7, 5.0),
+    "extreme_builds": (3.0, 8.0),
+    "yaw_45": (2.2, 8.0),
+    "yaw_-45": (2.2, 8.0),
+    "yaw_90": (4.0, 15.0),
+    "yaw_-90": (4.0, 15.0),
+}
+"""Condition to the targets of the median and the 95th percentile of the error of visible joints [cm].
+
+The other targets are: 98 % of visible joints tracked, no exchange of left and right, a noise of SpineBase of 0.05 cm,
+6 ms of CPU time per frame, no missed and 1 % false events, and a 95th percentile of event times of 33 ms.
+"""
 
 
-def figures(name: str, dances: int, seed: int) -> dict[str, Any]:
-    """All figures of one condition."""
-    outcomes = [trials.run_trial(Trial(seed + index, **CONDITIONS[name])) for index in range(dances)]
-    base, upper = report.depth_noise_cm(outcomes)
-    tallies = {group: (t.expected, t.missed, t.false, t.p95_ms) for group, t in report.event_counts(outcomes).items()}
-    hidden = report.event_counts(outcomes, hidden=True)["claps"]
+def condition_figures(name: str, dances: int, seed: int) -> dict[str, Any]:
+    """Return all figures of one condition.
+
+    Args:
+        name: key of `CONDITIONS`.
+        dances: number of trials.
+        seed: seed of the first trial; the others follow.
+    """
+    results = [trials.run_trial(Trial(seed + index, **CONDITIONS[name])) for index in range(dances)]
+    base_cm, upper_cm = report.depth_noise_cm(results)
+    counts = report.event_counts(results)
+    hidden_claps = report.event_counts(results, hidden=True)["claps"]
+    events = {
+        group: {"expected": one.expected, "missed": one.missed, "false": one.false, "p95_ms": one.p95_ms}
+        for group, one in counts.items()
+    }
     return {
-        **report.joint_errors(outcomes),
-        "cpu_ms": 1000 * float(np.median(np.concatenate([one.cpu_s for one in outcomes]))),
-        "jitter_base_cm": base,
-        "jitter_upper_cm": upper,
-        "events": {group: dict(zip(("expected", "missed", "false", "p95_ms"), row, strict=True))
-                   for group, row in tallies.items()},
-        "hidden_claps": {"expected": hidden.expected, "missed": hidden.missed},
-        **report.identity_errors(outcomes),
-    }  # fmt: skip
+        **report.joint_errors(results),
+        "cpu_ms": 1000 * float(np.median(np.concatenate([result.cpu_s for result in results]))),
+        "jitter_base_cm": base_cm,
+        "jitter_upper_cm": upper_cm,
+        "events": events,
+        "hidden_claps": {"expected": hidden_claps.expected, "missed": hidden_claps.missed},
+        **report.identity_errors(results),
+    }
 
 
-def show(name: str, row: dict[str, Any]) -> None:
-    """One condition, in two lines; what is to be reached is in brackets.
+def print_condition(name: str, figures: dict[str, Any]) -> None:
+    """Print one condition in two lines, with targets in brackets.
 
-    Of dancers who stand aslant no events are shown: along the sensor's axis they move at the detectors' threshold.
+    No events are printed of dancers who stand sideways to the sensor: their speed along its axis is near the detectors'
+    threshold.
     """
     median_cm, p95_cm = TARGETS_CM.get(name, (math.nan, math.nan))
     print(
-        f"{name:15s} median {row['median_cm']:.2f} ({median_cm}) p95 {row['p95_cm']:.1f} ({p95_cm}) cm, "
-        f"tracked {row['tracked']:.1%} (98), of these {row['astray']:.2%} astray, swapped {row['swapped']:.2%} (0), "
-        f"SpineBase {row['jitter_base_cm']:.3f} (.05) cm, {row['cpu_ms']:.1f} (6) ms"
+        f"{name:15s} median {figures['median_cm']:.2f} ({median_cm}) p95 {figures['p95_cm']:.1f} ({p95_cm}) cm, "
+        f"tracked {figures['tracked']:.1%} (98), of these {figures['astray']:.2%} astray, "
+        f"swapped {figures['swapped']:.2%} (0), SpineBase {figures['jitter_base_cm']:.3f} (.05) cm, "
+        f"{figures['cpu_ms']:.1f} (6) ms"
     )
     if math.sin(CONDITIONS[name].get("facing_rad", 0.0)) ** 2 > 0.1:
         return
-    parts = [f"{group} {t['missed']} missed {t['false']} false of {t['expected']} (p95 {t['p95_ms']} (33) ms)"
-             for group, t in row["events"].items()]  # fmt: skip
-    hidden = row["hidden_claps"]
+
+    parts = [
+        f"{group} {one['missed']} missed {one['false']} false of {one['expected']} (p95 {one['p95_ms']} (33) ms)"
+        for group, one in figures["events"].items()
+    ]
+    hidden = figures["hidden_claps"]
     print(f"{'':15s} {'; '.join(parts)}; hidden claps missed {hidden['missed']} of {hidden['expected']}")
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Figures of depth sensing.")
-    parser.add_argument("--dances", type=int, default=4, help="per condition")
+def parse_options() -> argparse.Namespace:
+    """Return the options of the command line."""
+    parser = argparse.ArgumentParser(description="Evaluate depth sensing.")
+    parser.add_argument("--dances", type=int, default=4, help="number of dances per condition")
     parser.add_argument(
         "--seed",
         type=int,
         default=8654,
-        help="of the first dance; 5000, 6101, 7700-7707, 8600-8649 and 8700-8799 chose settings, 8650-8699 none",
+        help="seed of the first dance; settings were chosen with 5000, 6101, 7700-7707, 8600-8649 and 8700-8799, and "
+        "none with 8650-8699",
     )
-    parser.add_argument("--only", nargs="*", choices=[*CONDITIONS, "crossings"], help="some conditions")
-    parser.add_argument("--json", action="store_true", help="JSON, and nothing else, on stdout")
-    options = parser.parse_args()
-    wanted = options.only or [*CONDITIONS, "crossings"]
+    parser.add_argument("--only", nargs="*", choices=[*CONDITIONS, "crossings"], help="conditions to evaluate")
+    parser.add_argument("--json", action="store_true", help="print JSON and nothing else on stdout")
+    return parser.parse_args()
+
+
+def main() -> int:
+    """Evaluate and print each condition."""
+    options = parse_options()
     rows: dict[str, Any] = {}
-    for name in wanted:
+    for name in options.only or [*CONDITIONS, "crossings"]:
         if name == "crossings":
             rows[name] = {"crossings": crossing_errors(options.seed), "eclipses": occlusion_errors(options.seed)}
         else:
-            rows[name] = figures(name, options.dances, options.seed)
-        if not options.json:
-            print(f"{name:15s} {rows[name]}") if name == "crossings" else show(name, rows[name])
+            rows[name] = condition_figures(name, options.dances, options.seed)
+
+        # A condition takes minutes, so each is printed as soon as it is known.
+        if not options.json and name == "crossings":
+            print(f"{name:15s} {rows[name]}")
+        elif not options.json:
+            print_condition(name, rows[name])
+
     if options.json:
         print(json.dumps({"schema": 1, "seed": options.seed, "dances": options.dances, "figures": rows}, indent=1))
     return 0

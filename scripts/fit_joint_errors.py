@@ -1,9 +1,9 @@
-"""Fit the error model of ``joints`` sensing to what ``depth`` sensing gets wrong; prints SensorConfig's fields.
+"""Fit the error model of ``joints`` sensing to the errors of ``depth`` sensing; prints the section of a TOML file.
 
 python scripts/fit_joint_errors.py
 python scripts/fit_joint_errors.py --dances 4 --json
 
-``python -m sjasim.characterise`` shows both side by side, over whole sessions of other seeds.
+``python -m sjasim.characterise`` compares both ways of sensing over whole sessions with other seeds.
 """
 
 from __future__ import annotations
@@ -23,110 +23,129 @@ from sjasim.skeleton_training import trials
 from sjasim.skeleton_training.trials import WARM_FRAMES, Trial, TrialResult
 
 SEED = 8760
-"""Of the first dance; the evaluations' seeds are others."""
+"""Seed of the first dance; the evaluation uses other seeds."""
 
-OUTLIER = 4.0
-"""Residuals farther from the median than so many robust s.d. are left out: a hand taken for another's is no drift."""
+OUTLIER_DEVIATIONS = 4.0
+"""Residuals beyond this number of robust standard deviations are left out.
 
-LEAST_FRAMES = 60
-"""A joint known for fewer frames says nothing about its own bias."""
+They are confusions, such as one hand taken for the other, and not the slow errors that the model describes.
+"""
+
+MIN_FRAMES = 60
+"""Smallest number of frames from which the bias of a joint is estimated."""
 
 ARMS = np.array([name.startswith(("Elbow", "Wrist", "Hand", "Thumb")) for name in JOINTS])
 TRUNK = np.isin(np.arange(len(JOINTS)), TORSO)
 
-Rows = list[NDArray[np.float64]]
+Residuals = list[NDArray[np.float64]]
+"""(N, 3) residuals of one joint of one dancer over N frames [m], for several of them."""
 
 
-def series(outcomes: Sequence[TrialResult], chosen: NDArray[np.bool_], *, visible: bool) -> Rows:
-    """Residuals (N, 3) of every chosen joint of every dancer: tracked while visible, or known while hidden.
+def joint_residuals(results: Sequence[TrialResult], chosen: NDArray[np.bool_], *, visible: bool) -> Residuals:
+    """Return the residuals of each chosen joint of each dancer, one frame after the other, without gaps.
 
-    Gaps are closed.
+    Args:
+        results: results of trials.
+        chosen: (25,) joints to use.
+        visible: use frames in which the joint is visible and tracked; otherwise those in which it is occluded and has a
+            position.
     """
     rows = []
-    for one in outcomes:
-        error, seen = (one.found - one.true)[WARM_FRAMES:], one.visible[WARM_FRAMES:]
-        state = one.state[WARM_FRAMES:]
-        usable = ((seen & (state == TRACKED)) if visible else (~seen & (state != NOT_TRACKED))) & ~np.isnan(
-            error[..., 0]
-        )
+    for result in results:
+        error = (result.found - result.true)[WARM_FRAMES:]
+        seen = result.visible[WARM_FRAMES:]
+        state = result.state[WARM_FRAMES:]
+        wanted = (seen & (state == TRACKED)) if visible else (~seen & (state != NOT_TRACKED))
+        usable = wanted & ~np.isnan(error[..., 0])
         for dancer in range(error.shape[1]):
             for joint in np.flatnonzero(chosen):
-                kept = error[usable[:, dancer, joint], dancer, joint]
-                if len(kept) >= LEAST_FRAMES:
-                    rows.append(kept)
+                residuals = error[usable[:, dancer, joint], dancer, joint]
+                if len(residuals) >= MIN_FRAMES:
+                    rows.append(residuals)
     return rows
 
 
-def drift_of(rows: Rows) -> tuple[float, float]:
-    """Drift: r.m.s. about each joint's mean [m]; and its correlation such that it makes the usual step of a frame."""
-    drift = root_mean_square(np.concatenate([(own - own.mean(axis=0)).ravel() for own in rows]))
-    step = spread(np.concatenate([np.diff(own, axis=0).ravel() for own in rows]))
-    return drift, max(0.0, 1.0 - step**2 / (2.0 * drift**2))
+def fit_drift(residuals: Residuals) -> tuple[float, float]:
+    """Fit a first-order autoregression.
 
-
-def fitted(outcomes: Sequence[TrialResult]) -> dict[str, float]:
-    """The fields of SensorConfig, from dances seen by depth sensing.
-
-    Bias: r.m.s. of the mean errors of the torso's visible joints; the limbs' is taken to be the same. Hidden factors:
-    error of hidden joints over both errors of visible ones, torso and arms apart.
+    Returns:
+        the standard deviation of the drift, which is the root mean square about each joint's mean [m]; and the
+        correlation of successive frames, from the standard deviation of their differences.
     """
-    torso = series(outcomes, TRUNK, visible=True)
-    bias = root_mean_square(np.concatenate([rows.mean(axis=0) for rows in torso]))
-    drift, correlation = drift_of(torso)
-    limb_drift, limb_correlation = drift_of(series(outcomes, LIMBS, visible=True))
-    hidden = {
-        name: spread(np.concatenate([rows.ravel() for rows in series(outcomes, chosen, visible=False)]))
-        for name, chosen in (("torso", TRUNK), ("arms", ARMS))
-    }
+    drift_m = root_mean_square(np.concatenate([(own - own.mean(axis=0)).ravel() for own in residuals]))
+    step_m = robust_deviation(np.concatenate([np.diff(own, axis=0).ravel() for own in residuals]))
+    return drift_m, max(0.0, 1.0 - step_m**2 / (2.0 * drift_m**2))
+
+
+def fit_noise(results: Sequence[TrialResult]) -> dict[str, float]:
+    """Return the fitted fields of `JointNoiseConfig`.
+
+    The bias is the root mean square of the mean errors of visible torso joints; limbs are assumed to have the same one.
+    The factors of occluded joints are their errors over the errors of visible ones, for the torso and for the arms.
+    """
+    torso = joint_residuals(results, TRUNK, visible=True)
+    bias_m = root_mean_square(np.concatenate([rows.mean(axis=0) for rows in torso]))
+    drift_m, correlation = fit_drift(torso)
+    limb_drift_m, limb_correlation = fit_drift(joint_residuals(results, LIMBS, visible=True))
+
+    occluded_torso = joint_residuals(results, TRUNK, visible=False)
+    occluded_arms = joint_residuals(results, ARMS, visible=False)
+    torso_error_m = robust_deviation(np.concatenate([rows.ravel() for rows in occluded_torso]))
+    arm_error_m = robust_deviation(np.concatenate([rows.ravel() for rows in occluded_arms]))
     return {
-        "bias_m": bias,
-        "drift_m": drift,
+        "bias_m": bias_m,
+        "drift_m": drift_m,
         "drift_correlation": correlation,
-        "limb_drift_m": limb_drift,
+        "limb_drift_m": limb_drift_m,
         "limb_drift_correlation": limb_correlation,
-        "occluded_factor": hidden["torso"] / float(np.hypot(bias, drift)),
-        "occluded_factor_hand": hidden["arms"] / float(np.hypot(bias, limb_drift)),
+        "occluded_factor": torso_error_m / float(np.hypot(bias_m, drift_m)),
+        "occluded_factor_hand": arm_error_m / float(np.hypot(bias_m, limb_drift_m)),
     }
 
 
-def spread(values: NDArray[np.float64]) -> float:
-    """Standard deviation about 0 of the values that are no outliers."""
+def robust_deviation(values: NDArray[np.float64]) -> float:
+    """Return the standard deviation about 0 without outliers."""
+    # 1.4826 makes the median absolute value of a normal variable its standard deviation.
     scale = 1.4826 * float(np.median(np.abs(values)))
-    return root_mean_square(values[np.abs(values) <= OUTLIER * scale])
+    return root_mean_square(values[np.abs(values) <= OUTLIER_DEVIATIONS * scale])
 
 
 def root_mean_square(values: NDArray[np.float64]) -> float:
-    """Of all values, outliers too."""
+    """Return the root mean square of all values."""
     return float(np.sqrt(np.mean(values**2)))
 
 
-def known(outcomes: Sequence[TrialResult]) -> dict[str, float]:
-    """How often visible joints are tracked, and hidden ones taken for tracked: what `joints` sensing simplifies."""
-    visible = np.concatenate([one.visible[WARM_FRAMES:].reshape(-1, len(JOINTS)) for one in outcomes])
-    state = np.concatenate([one.state[WARM_FRAMES:].reshape(-1, len(JOINTS)) for one in outcomes])
-    rows = {"torso": TRUNK, "legs": LIMBS & ~ARMS, "arms": ARMS}
+def tracked_shares(results: Sequence[TrialResult]) -> dict[str, float]:
+    """Return how often visible and occluded joints are tracked, which ``joints`` sensing simplifies."""
+    visible = np.concatenate([result.visible[WARM_FRAMES:].reshape(-1, len(JOINTS)) for result in results])
+    state = np.concatenate([result.state[WARM_FRAMES:].reshape(-1, len(JOINTS)) for result in results])
+    parts = {"torso": TRUNK, "legs": LIMBS & ~ARMS, "arms": ARMS}
     return {
         f"tracked_if_{word}_{name}": float((state[:, chosen][mask[:, chosen]] == TRACKED).mean())
         for word, mask in (("visible", visible), ("hidden", ~visible))
-        for name, chosen in rows.items()
+        for name, chosen in parts.items()
     }
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description="Errors of joints sensing, fitted to depth sensing.")
-    parser.add_argument("--dances", type=int, default=10, help="half of them in aligned rows")
-    parser.add_argument("--seed", type=int, default=SEED, help="of the first dance")
-    parser.add_argument("--json", action="store_true", help="JSON instead of TOML")
+    """Run the trials, fit, and print."""
+    parser = argparse.ArgumentParser(description="Fit the errors of joints sensing to those of depth sensing.")
+    parser.add_argument("--dances", type=int, default=10, help="number of dances; half of them in aligned rows")
+    parser.add_argument("--seed", type=int, default=SEED, help="seed of the first dance")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of TOML")
     options = parser.parse_args()
-    outcomes = []
+
+    results = []
     for index in range(options.dances):
         sys.stderr.write(f"dance {index + 1} of {options.dances}\n")
-        outcomes.append(trials.run_trial(Trial(options.seed + index, length_s=20.0, aligned=index % 2 == 1)))
-    values, shares = fitted(outcomes), known(outcomes)
+        results.append(trials.run_trial(Trial(options.seed + index, length_s=20.0, aligned=index % 2 == 1)))
+
+    values = fit_noise(results)
+    shares = tracked_shares(results)
     if options.json:
-        print(json.dumps({"schema": 1, "seed": options.seed, "sensors": values, "known": shares}, indent=1))
+        print(json.dumps({"schema": 1, "seed": options.seed, "joint_noise": values, "tracked": shares}, indent=1))
         return 0
-    print("[sensors]")
+    print("[joint_noise]")
     print("\n".join(f"{name} = {value:.4f}" for name, value in values.items()))
     print("\n".join(f"# {name}: {value:.3f}" for name, value in shares.items()))
     return 0

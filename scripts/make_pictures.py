@@ -1,10 +1,10 @@
-"""The pictures of the documentation: one session is danced, photographed and looked at in the viewer.
+"""Make the pictures of the documentation from one session.
 
     python scripts/make_pictures.py [--out docs] [--seed 0]
 
-writes ``dance.png`` (the room), ``film.png`` (as a film shows it) and ``overview.png`` (the recording in rerun's
-viewer). Needs libegl1 and mesa-vulkan-drivers, no display. Takes about a minute. The moves of every dance:
-``scripts/make_contact_sheet.py``.
+writes ``dance.png`` (the scene), ``film.png`` (a frame of a video with its captions) and ``overview.png`` (the
+recording in rerun's viewer). Needs libegl1 and mesa-vulkan-drivers, no display. Takes about a minute.
+``scripts/make_contact_sheet.py`` makes the pictures of the moves of each dance.
 """
 
 from __future__ import annotations
@@ -14,13 +14,14 @@ import sys
 import tempfile
 from pathlib import Path
 
-import sjasim  # noqa: F401 - chooses an offscreen OpenGL before anything loads MuJoCo
+import sjasim  # noqa: F401 - selects an offscreen OpenGL before MuJoCo is imported
 
 import numpy as np  # isort: skip
 from PIL import Image
 
 from sjasim.analysis.delay_breakdown import delay_report
 from sjasim.config import SessionConfig
+from sjasim.core.session_log import SessionLog
 from sjasim.record.rerun.recording import save
 from sjasim.record.rerun.viewer import screenshot
 from sjasim.session.session import Session, run_session
@@ -28,68 +29,96 @@ from sjasim.simulation.rendering import Renderer
 from sjasim.simulation.video import add_captions, caption_title, captions
 
 ITERATION = 1
-ROOM = (1280, 720)
-BAR_PX = 37
-"""Height of the bar with which the viewer's window begins; it says how the picture was made, not what it shows."""
-STILL = 0.55
-"""Share of a move after which it is photographed."""
-LATE_S = 1.0
-"""So long after the start of the last move but one the overview is taken: everything is on its way."""
+"""Iteration of the pictures of the scene."""
+
+PICTURE_PX = (1280, 720)
+"""Width and height of the pictures of the scene."""
+
+MENU_BAR_PX = 37
+"""Height of the viewer's menu bar, which is cut off."""
+
+MOVE_SHARE = 0.55
+"""Share of the first move after which the pictures of the scene are taken."""
+
+OVERVIEW_STEP = (3, 6)
+"""Iteration and ordinal of the step that the overview shows."""
+
+OVERVIEW_DELAY_S = 1.0
+"""Time of the overview after the start of that step, when all moves are under way."""
 
 
 class Photographer:
-    """Takes a picture of the room in mid-move, without captions and with them."""
+    """Takes a picture of the scene during the first move forward, with and without captions.
+
+    Args:
+        session: the session; its `tick` must be called at each frame.
+
+    Attributes:
+        scene: the picture without captions, None before it is taken.
+        video_frame: the picture with the captions of a video.
+    """
 
     def __init__(self, session: Session) -> None:
-        self.session = session
-        self.room: np.ndarray | None = None
-        self.film: np.ndarray | None = None
-        self._camera = Renderer(session.world.physics, *ROOM, session.layout.mounts)
+        self.scene: np.ndarray | None = None
+        self.video_frame: np.ndarray | None = None
+        self._session = session
+        self._camera = Renderer(session.world.physics, *PICTURE_PX, session.layout.mounts)
 
-    def tick(self, now: float) -> None:
-        """At every camera frame: whether the moment has come."""
-        if self.room is None and self.session.timetable.iteration_at(now) == ITERATION and now >= self._moment():
-            self.room = self._camera.render("scene", self.session.server.active)
-            self.film = add_captions(self.room, caption_title(self.session, now), captions(self.session, now))
+    def tick(self, now_s: float) -> None:
+        """Take the pictures if it is time and they are not taken yet."""
+        if self.scene is not None or self._session.timetable.iteration_at(now_s) != ITERATION:
+            return
+        if now_s < self._picture_time_s():
+            return
+        self.scene = self._camera.render("room", self._session.server.active)
+        self.video_frame = add_captions(self.scene, caption_title(self._session, now_s), captions(self._session, now_s))
 
-    def _moment(self) -> float:
-        """A little after the middle of the first move forward, of the dancers' mean."""
-        cues = [cue for cue in self.session.world.cues if (cue.iteration, cue.ordinal) == (ITERATION, 0)]
-        return float(np.mean([cue.t_s + STILL * cue.duration_s for cue in cues])) if cues else np.inf
+    def _picture_time_s(self) -> float:
+        """Return the dancers' mean time of the picture; infinite before their cues are known."""
+        cues = [cue for cue in self._session.world.cues if (cue.iteration, cue.ordinal) == (ITERATION, 0)]
+        return float(np.mean([cue.t_s + MOVE_SHARE * cue.duration_s for cue in cues])) if cues else np.inf
 
     def close(self) -> None:
-        """Give the graphics memory back."""
+        """Release the memory of the graphics card."""
         self._camera.close()
 
 
+def write_overview(log: SessionLog, path: Path) -> None:
+    """Write a picture of the session's recording in rerun's viewer."""
+    report = delay_report(log)
+    step_s = next(step.t_s for step in report.steps if (step.iteration, step.ordinal) == OVERVIEW_STEP)
+    with tempfile.TemporaryDirectory() as folder:
+        recording = Path(folder) / "session.rrd"
+        save(log, recording, report)
+        for line in screenshot(recording, path, step_s + OVERVIEW_DELAY_S):
+            sys.stderr.write(f"{line}\n")
+    with Image.open(path) as window:
+        window.crop((0, MENU_BAR_PX, *window.size)).save(path, optimize=True)
+
+
 def main() -> int:
-    """Dance, take the pictures, write them."""
+    """Run the session and write the pictures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path(__file__).resolve().parents[1] / "docs")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=0, help="seed of the session")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    crew: list[Photographer] = []
+    photographers: list[Photographer] = []
 
     def prepare(session: Session) -> None:
-        crew.append(Photographer(session))
-        session.world.watchers.append(crew[0].tick)
+        photographers.append(Photographer(session))
+        session.world.watchers.append(photographers[0].tick)
 
     log = run_session(SessionConfig(method="sia", seed=options.seed), prepare=prepare)
-    assert crew[0].room is not None
-    assert crew[0].film is not None
-    Image.fromarray(crew[0].film).save(options.out / "film.png", optimize=True)
-    Image.fromarray(crew[0].room).save(options.out / "dance.png", optimize=True)
-    crew[0].close()
-    found = delay_report(log)
-    with tempfile.TemporaryDirectory() as place:
-        recording = Path(place) / "session.rrd"
-        save(log, recording, found)
-        moment = next(step.t_s for step in found.steps if (step.iteration, step.ordinal) == (3, 6)) + LATE_S
-        for report in screenshot(recording, options.out / "overview.png", moment):
-            sys.stderr.write(f"{report}\n")
-    with Image.open(options.out / "overview.png") as window:
-        window.crop((0, BAR_PX, *window.size)).save(options.out / "overview.png", optimize=True)
+    photographer = photographers[0]
+    assert photographer.scene is not None
+    assert photographer.video_frame is not None
+    Image.fromarray(photographer.video_frame).save(options.out / "film.png", optimize=True)
+    Image.fromarray(photographer.scene).save(options.out / "dance.png", optimize=True)
+
+    # The viewer needs a graphics context as well, so the renderer's is released first.
+    photographer.close()
+    write_overview(log, options.out / "overview.png")
     return 0
 
 

@@ -1,1 +1,1 @@
-"""Training of the skeleton model, from the project's own bodies and motions; only scripts and tests use it."""
+"""Training and evaluation of the skeleton model on the project's own bodies and motions, for scripts and tests."""

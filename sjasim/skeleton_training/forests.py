@@ -1,4 +1,7 @@
-"""Growing the forests, and what their leaves say; scikit-learn is needed here and nowhere else (extra ``train``)."""
+"""Growing the two forests, and the votes of their leaves.
+
+This is the only module that needs scikit-learn, which the extra ``train`` installs.
+"""
 
 from __future__ import annotations
 
@@ -20,31 +23,45 @@ from ..sensors.skeleton.trained_model import OFFSET_UNIT_M, SPREAD_UNIT_M
 from .samples import Samples
 
 VOTES = 6
-"""Joints that a leaf votes for."""
-QUARTERS = 4
-"""Sectors of yaw whose pixels the joints' forest tells apart."""
-YAW_PIXELS, SECTORS = 110_000, 36
-"""Pixels that the yaws' forest is grown on, and sectors of yaw that all weigh the same in it."""
-MOST_SPREAD_M = 0.5
-"""An offset farther off its leaf's middle counts as this far."""
-OUTLIER_M, ROUNDS = 0.12, 3
-"""An offset so far off its leaf's middle counts half in it; and how often the middle is found anew (assumed)."""
-VIEW_PRIOR, MOST_VIEW_M = 20.0, 0.5
-"""Pixels whose worth of belief the part of an offset that does not turn starts from 0 with, and its limit (assumed)."""
+"""Number of joints for which a leaf votes."""
+
+YAW_SECTORS = 4
+"""Sectors of yaw whose pixels are separate classes of the joint forest."""
+
+YAW_FOREST_PIXELS = 110_000
+"""Number of pixels on which the yaw forest is grown."""
+
+YAW_WEIGHT_SECTORS = 36
+"""Sectors of yaw that have equal weight in the yaw forest."""
+
+MAX_DEVIATION_M = 0.5
+"""Deviations of an offset from its leaf's mean are cut at this distance."""
+
+OUTLIER_M = 0.12
+"""Deviation at which an offset has half weight in its leaf's mean (assumed)."""
+
+REWEIGHTING_ROUNDS = 3
+"""Rounds of the reweighted least squares of a leaf's mean (assumed)."""
+
+VIEW_PRIOR_PIXELS = 20.0
+"""Weight of the prior that the part of an offset that does not turn with the person is 0, in pixels (assumed)."""
+
+MAX_VIEW_OFFSET_M = 0.5
+"""Largest part of an offset that does not turn with the person (assumed)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Growth:
-    """How large the forests become.
+    """Size of the forests.
 
     Attributes:
-        trees: trees of the joints' forest.
-        leaves: most leaves of one of them.
-        yaw_trees: trees of the yaws' forest.
-        yaw_leaves: most leaves of one of them.
-        tried: features tried at a node.
-        share: of all samples that a tree sees.
-        jobs: processes' worth of threads.
+        trees: number of trees of the joint forest.
+        leaves: largest number of leaves of one of them.
+        yaw_trees: number of trees of the yaw forest.
+        yaw_leaves: largest number of leaves of one of them.
+        tried: number of features tried at a node.
+        share: share of all samples of which a tree is grown.
+        jobs: number of threads.
     """
 
     trees: int = 3
@@ -57,17 +74,17 @@ class Growth:
 
 
 @dataclass(frozen=True, slots=True)
-class Grown:
-    """A forest's nodes, as `sensors.model.Model` stores them, and the leaf of every sample in every tree.
+class Forest:
+    """Nodes of a forest, as `SkeletonModel` stores them, and the leaf of each sample in each tree.
 
     Attributes:
-        feature: (N,) what a node asks for.
-        threshold: (N,) answers up to this go left.
-        left: (N,) left child, -1 - leaf for a leaf.
+        feature: (N,) feature that a node tests.
+        threshold: (N,) values up to this go left.
+        left: (N,) left child; -1 - leaf for a leaf.
         right: (N,) right child.
-        roots: (T,) first nodes.
-        leaf: (T, samples) leaf numbers.
-        leaves: how many there are.
+        roots: (T,) first node of each tree.
+        sample_leaf: (T, samples) leaf of each sample.
+        leaves: number of leaves.
     """
 
     feature: NDArray[np.uint8]
@@ -75,151 +92,201 @@ class Grown:
     left: NDArray[np.int16]
     right: NDArray[np.int16]
     roots: NDArray[np.int16]
-    leaf: NDArray[np.int32]
+    sample_leaf: NDArray[np.int32]
     leaves: int
 
 
-def draw_probes(count: int, seed: int) -> NDArray[np.float16]:
-    """(F, 4) random offsets between 3 and 70 cm; half of the probes have one end only."""
-    rng = stream(seed, "training", "probes")
-    angle = rng.uniform(0.0, 2.0 * math.pi, (count, 2))
-    reach = np.exp(rng.uniform(math.log(0.03), math.log(0.70), (count, 2)))
-    probes = np.stack([reach * np.cos(angle), reach * np.sin(angle)], axis=2).reshape(count, 4)
-    probes[: count // 2, 2:] = 0.0
-    return probes.astype(np.float16)
-
-
-def grow(samples: Samples, growth: Growth, seed: int) -> Grown:
-    """Grow the joints' forest: nodes separate pixels of different joints, and of persons who stand differently.
-
-    What a pixel of the trunk says depends on which way the person stands; every tree draws the borders between
-    quarters of yaw elsewhere, so that none is a border of all.
-    """
-    yaw = np.arctan2(samples.features[:, -1], samples.features[:, -2])
-
-    def one(tree: int) -> Any:
-        quarter = np.floor(QUARTERS * yaw / math.tau + tree / growth.trees).astype(np.int64) % QUARTERS
-        alone = _library().RandomForestClassifier(
-            1, criterion="entropy", max_leaf_nodes=growth.leaves, min_samples_leaf=10, max_features=growth.tried,
-            max_samples=growth.share, random_state=seed + tree,
-        )  # fmt: skip
-        return alone.fit(samples.features, QUARTERS * samples.joint + quarter).estimators_[0]
-
-    with ThreadPoolExecutor(growth.jobs) as pool:
-        return _unravel(list(pool.map(one, range(growth.trees))), samples.features)
-
-
-def grow_yaw(samples: Samples, growth: Growth, seed: int) -> tuple[Grown, NDArray[np.int8]]:
-    """Grow the yaws' forest and its votes (V, 2); it sees no feature that knows a yaw."""
-    blind = samples.features.shape[1] - (EXTRA_FEATURES - YAW_EXTRA_FEATURES)
-    few = slice(None, None, max(1, len(samples.joint) // YAW_PIXELS))
-    features, goal = np.ascontiguousarray(samples.features[few, :blind]), samples.yaw[few]
-    sector = ((np.arctan2(goal[:, 1], goal[:, 0]) / math.tau % 1.0) * SECTORS).astype(np.int64)
-    weight = 1.0 / np.bincount(sector, minlength=SECTORS)[sector]
-    ensemble = _library().RandomForestRegressor(
-        growth.yaw_trees, max_leaf_nodes=growth.yaw_leaves, min_samples_leaf=20, max_features=growth.tried,
-        max_samples=growth.share, n_jobs=growth.jobs, random_state=seed,
-    )  # fmt: skip
-    ensemble.fit(features, goal, sample_weight=weight / weight.mean())
-    grown = _unravel(ensemble.estimators_, features)
-    votes = np.zeros((grown.leaves, 2))
-    for leaf in grown.leaf:
-        members = np.bincount(leaf, weight, grown.leaves)
-        for c in range(2):
-            votes[:, c] += np.bincount(leaf, weight * goal[:, c], grown.leaves) / np.where(members > 0, members, 1.0)
-    return grown, np.rint(127 * votes).astype(np.int8)
-
-
 @dataclass(frozen=True, slots=True)
-class Said:
-    """What the leaves of the joints' forest say, the surest first; fields as in `sensors.model.Model`."""
+class LeafVotes:
+    """Votes of the leaves of the joint forest, smallest spread first; fields are those of `SkeletonModel`."""
 
     joint: NDArray[np.int8]
     offset: NDArray[np.int16]
     view: NDArray[np.int16]
     spread: NDArray[np.uint8]
 
+    @classmethod
+    def empty(cls, leaves: int) -> LeafVotes:
+        """Return votes whose spreads are too large to count."""
+        shape = (leaves, VOTES)
+        return cls(
+            joint=np.zeros(shape, np.int8),
+            offset=np.zeros((*shape, 3), np.int16),
+            view=np.zeros((*shape, 2), np.int16),
+            spread=np.full(shape, 255, np.uint8),
+        )
 
-def leaf_votes(samples: Samples, grown: Grown) -> Said:
-    """What each leaf says: its surest joints, their offsets and spreads; none that nobody would listen to."""
-    shape = (grown.leaves, VOTES)
-    joint, spread = np.zeros(shape, np.int8), np.full(shape, 255, np.uint8)
-    offset, view = np.zeros((*shape, 3), np.int16), np.zeros((*shape, 2), np.int16)
-    turned = samples.features[:, -2:].astype(np.float32)
-    for leaf in grown.leaf:
-        order = np.argsort(leaf, kind="stable")
-        ends = (np.flatnonzero(np.diff(leaf[order], append=-1)) + 1).tolist()
+
+def draw_probes(count: int, seed: int) -> NDArray[np.float16]:
+    """Return (F, 4) random pairs of offsets of 3 to 70 cm; the second offset is 0 in half of the pairs."""
+    rng = stream(seed, "training", "probes")
+    angle = rng.uniform(0.0, 2.0 * math.pi, (count, 2))
+    # Uniform in the logarithm: hands need short offsets and trunks long ones.
+    reach_m = np.exp(rng.uniform(math.log(0.03), math.log(0.70), (count, 2)))
+    probes = np.stack([reach_m * np.cos(angle), reach_m * np.sin(angle)], axis=2).reshape(count, 4)
+    probes[: count // 2, 2:] = 0.0
+    return probes.astype(np.float16)
+
+
+def grow_joint_forest(samples: Samples, growth: Growth, seed: int) -> Forest:
+    """Grow the joint forest, whose nodes separate pixels of different joints and of different sectors of yaw.
+
+    The offsets of a trunk's pixel to the joints depend on the heading of the person, so a class is a joint together
+    with a sector. The borders between sectors differ from tree to tree, so that none of them is a border of all trees.
+    """
+    yaw = np.arctan2(samples.features[:, -1], samples.features[:, -2])
+
+    def grow_tree(tree: int) -> Any:
+        sector = np.floor(YAW_SECTORS * yaw / math.tau + tree / growth.trees).astype(np.int64) % YAW_SECTORS
+        estimator = _ensemble_module().RandomForestClassifier(
+            1, criterion="entropy", max_leaf_nodes=growth.leaves, min_samples_leaf=10, max_features=growth.tried,
+            max_samples=growth.share, random_state=seed + tree,
+        )  # fmt: skip
+        return estimator.fit(samples.features, YAW_SECTORS * samples.joint + sector).estimators_[0]
+
+    with ThreadPoolExecutor(growth.jobs) as pool:
+        return _concatenate_trees(list(pool.map(grow_tree, range(growth.trees))), samples.features)
+
+
+def grow_yaw_forest(samples: Samples, growth: Growth, seed: int) -> tuple[Forest, NDArray[np.int8]]:
+    """Grow the yaw forest.
+
+    The last features depend on the tracked heading and are left out: this forest has to find the heading anew.
+
+    Returns:
+        the forest, and (V, 2) mean cosine and sine of the heading in each leaf [1/127].
+    """
+    feature_count = samples.features.shape[1] - (EXTRA_FEATURES - YAW_EXTRA_FEATURES)
+    some = slice(None, None, max(1, len(samples.joint) // YAW_FOREST_PIXELS))
+    features = np.ascontiguousarray(samples.features[some, :feature_count])
+    goal = samples.yaw[some]
+
+    # Each sector of yaw has the same total weight, although persons mostly face the sensor.
+    sector = ((np.arctan2(goal[:, 1], goal[:, 0]) / math.tau % 1.0) * YAW_WEIGHT_SECTORS).astype(np.int64)
+    weight = 1.0 / np.bincount(sector, minlength=YAW_WEIGHT_SECTORS)[sector]
+    estimator = _ensemble_module().RandomForestRegressor(
+        growth.yaw_trees, max_leaf_nodes=growth.yaw_leaves, min_samples_leaf=20, max_features=growth.tried,
+        max_samples=growth.share, n_jobs=growth.jobs, random_state=seed,
+    )  # fmt: skip
+    estimator.fit(features, goal, sample_weight=weight / weight.mean())
+    forest = _concatenate_trees(estimator.estimators_, features)
+
+    votes = np.zeros((forest.leaves, 2))
+    for sample_leaf in forest.sample_leaf:
+        total = np.bincount(sample_leaf, weight, forest.leaves)
+        for c in range(2):
+            weighted = np.bincount(sample_leaf, weight * goal[:, c], forest.leaves)
+            votes[:, c] += weighted / np.where(total > 0, total, 1.0)
+    return forest, np.rint(127 * votes).astype(np.int8)
+
+
+def leaf_votes(samples: Samples, forest: Forest) -> LeafVotes:
+    """Return the votes of each leaf: the joints with the smallest spread, up to the largest spread that counts."""
+    votes = LeafVotes.empty(forest.leaves)
+    heading = samples.features[:, -2:].astype(np.float32)
+    for sample_leaf in forest.sample_leaf:
+        # Samples sorted by leaf, and the end of each leaf's run.
+        order = np.argsort(sample_leaf, kind="stable")
+        ends = (np.flatnonzero(np.diff(sample_leaf[order], append=-1)) + 1).tolist()
         begin = 0
         for end in ends:
             members = order[begin:end]
-            begin, row = end, leaf[members[0]]
-            middle, wide = settle(samples.offset[members].astype(np.float32), turned[members])
-            best = np.argsort(wide)[:VOTES]
-            best = best[wide[best] < MAX_SPREAD_M]
-            joint[row, : len(best)] = best
-            offset[row, : len(best)] = np.rint(middle[best, :3] / OFFSET_UNIT_M)
-            view[row, : len(best)] = np.rint(np.clip(middle[best, 3:], -MOST_VIEW_M, MOST_VIEW_M) / OFFSET_UNIT_M)
-            spread[row, : len(best)] = np.minimum(np.rint(wide[best] / SPREAD_UNIT_M), 255)
-    return Said(joint, offset, view, spread)
+            begin = end
+            mean, spread_m = mean_offsets(samples.offset[members].astype(np.float32), heading[members])
+            _write_leaf(votes, sample_leaf[members[0]], mean, spread_m)
+    return votes
 
 
-def settle(away: NDArray[np.float32], turned: NDArray[np.float32]) -> tuple[Array, Array]:
-    """One leaf's offset to every joint: a part that turns with the person, and one that does not.
+def _write_leaf(votes: LeafVotes, leaf: int, mean: Array, spread_m: Array) -> None:
+    """Write the votes of one leaf in the units of `SkeletonModel`."""
+    best = np.argsort(spread_m)[:VOTES]
+    # Depth sensing ignores votes of a larger spread.
+    best = best[spread_m[best] < MAX_SPREAD_M]
+    view_m = np.clip(mean[best, 3:], -MAX_VIEW_OFFSET_M, MAX_VIEW_OFFSET_M)
+    votes.joint[leaf, : len(best)] = best
+    votes.offset[leaf, : len(best)] = np.rint(mean[best, :3] / OFFSET_UNIT_M)
+    votes.view[leaf, : len(best)] = np.rint(view_m / OFFSET_UNIT_M)
+    votes.spread[leaf, : len(best)] = np.minimum(np.rint(spread_m[best] / SPREAD_UNIT_M), 255)
 
-    A joint lies behind the surface that shows it, whichever way the person stands: a leaf that sees bellies and
-    backs would, turning all offsets with the person, put the spine into the skin of either. Least squares, with less
-    weight for what is far off; without yaws that differ, all of it turns.
+
+def mean_offsets(offsets: NDArray[np.float32], heading: NDArray[np.float32]) -> tuple[Array, Array]:
+    """Return one leaf's mean offset to each joint, as a part that turns with the person and one that does not.
+
+    A joint lies behind the surface at which its pixels are seen, whichever way the person faces. A leaf whose pixels
+    come from bellies and from backs would put the spine on the skin of both if all of the offset turned with the
+    person. Both parts come from least squares, reweighted so that outliers have little weight. If all headings are
+    alike, the parts cannot be told apart and the prior puts everything into the part that turns.
 
     Args:
-        away: (M, J, 3) from the leaf's pixels forward, up, left, over the scale [m].
-        turned: (M, 2) cosine and sine of the yaws that these were turned by.
+        offsets: (M, J, 3) offsets from the leaf's pixels: forward, up, left, over the person's scale [m].
+        heading: (M, 2) cosine and sine of the heading by which each was turned.
 
     Returns:
-        (J, 5) offset forward, up, left, and to the sensor's left and away from it [m], and (J,) the offset's
-        standard deviation, outliers cut [m].
+        (J, 5) mean offset forward, up, left, and to the sensor's left and away from it [m]; and (J,) the standard
+        deviation of the offsets, with outliers cut [m].
     """
-    cos, sin = turned.T
-    one, none = np.ones_like(cos), np.zeros_like(cos)
-    rows = np.stack([np.stack([one, none, -sin, -cos], axis=1), np.stack([none, one, -cos, sin], axis=1)], axis=1)
-    squares = np.einsum("mip,miq->mpq", rows, rows).reshape(len(away), 16)
-    flat, up = away[..., [0, 2]], away[..., 1]
-    off = ((away - np.median(away, axis=0)) ** 2).sum(axis=2)
-    for _ in range(ROUNDS):
-        weight = 1.0 / (1.0 + off / OUTLIER_M**2)
-        normal = (weight.T @ squares).reshape(-1, 4, 4) + np.diag([1e-3, 1e-3, VIEW_PRIOR, VIEW_PRIOR])
-        pulled = np.stack([np.einsum("mp,mj,mj->jp", rows[:, i], weight, flat[..., i], optimize=True) for i in (0, 1)])
-        plane = np.linalg.solve(normal, pulled.sum(axis=0)[..., None])[..., 0]
+    cos, sin = heading.T
+    ones = np.ones_like(cos)
+    zeros = np.zeros_like(cos)
+
+    # Linear equations of a pixel for the forward and the left component, in the four unknowns of the plane.
+    forward_row = np.stack([ones, zeros, -sin, -cos], axis=1)
+    left_row = np.stack([zeros, ones, -cos, sin], axis=1)
+    rows = np.stack([forward_row, left_row], axis=1)
+    squares = np.einsum("mip,miq->mpq", rows, rows).reshape(len(offsets), 16)
+    plane = offsets[..., [0, 2]]
+    up = offsets[..., 1]
+
+    deviation_sq = ((offsets - np.median(offsets, axis=0)) ** 2).sum(axis=2)
+    for _ in range(REWEIGHTING_ROUNDS):
+        weight = 1.0 / (1.0 + deviation_sq / OUTLIER_M**2)
+        prior = np.diag([1e-3, 1e-3, VIEW_PRIOR_PIXELS, VIEW_PRIOR_PIXELS])
+        normal = (weight.T @ squares).reshape(-1, 4, 4) + prior
+        right = np.stack([np.einsum("mp,mj,mj->jp", rows[:, i], weight, plane[..., i], optimize=True) for i in (0, 1)])
+        solution = np.linalg.solve(normal, right.sum(axis=0)[..., None])[..., 0]
         height = (weight * up).sum(axis=0) / weight.sum(axis=0)
-        told = np.stack([rows[:, i] @ plane.T for i in (0, 1)], axis=2)
-        off = ((flat - told) ** 2).sum(axis=2) + (up - height) ** 2
-    wide = np.sqrt(np.minimum(off, MOST_SPREAD_M**2).mean(axis=0))
-    return np.column_stack([plane[:, 0], height, plane[:, 1:]]), np.asarray(wide)
+
+        predicted = np.stack([rows[:, i] @ solution.T for i in (0, 1)], axis=2)
+        deviation_sq = ((plane - predicted) ** 2).sum(axis=2) + (up - height) ** 2
+    spread = np.sqrt(np.minimum(deviation_sq, MAX_DEVIATION_M**2).mean(axis=0))
+    return np.column_stack([solution[:, 0], height, solution[:, 1:]]), np.asarray(spread)
 
 
-def _unravel(estimators: Sequence[Any], features: NDArray[np.float32]) -> Grown:
-    """All trees' nodes in one row, leaves numbered through."""
+def _concatenate_trees(estimators: Sequence[Any], features: NDArray[np.float32]) -> Forest:
+    """Return the nodes of all trees in one table, with leaves numbered across trees.
+
+    Raises:
+        SjasimError: there are more nodes than the model's integers can number.
+    """
     parts: list[tuple[NDArray[Any], ...]] = []
-    roots, leaf_of = [], []
-    base, leaves = 0, 0
+    roots = []
+    sample_leaf = []
+    nodes = 0
+    leaves = 0
     for estimator in estimators:
         tree = estimator.tree_
-        ends = tree.children_left < 0
-        number = np.cumsum(ends) + (leaves - 1)
-        left = np.where(ends, -1 - number, tree.children_left + base)
-        parts.append((np.maximum(tree.feature, 0), tree.threshold, left, np.where(ends, 0, tree.children_right + base)))
-        leaf_of.append(number[tree.apply(features)])
-        roots.append(base)
-        base, leaves = base + int(tree.node_count), leaves + int(ends.sum())
+        is_leaf = tree.children_left < 0
+        # Leaves continue the numbers of the trees before; a negative left child marks a leaf.
+        number = np.cumsum(is_leaf) + (leaves - 1)
+        left = np.where(is_leaf, -1 - number, tree.children_left + nodes)
+        right = np.where(is_leaf, 0, tree.children_right + nodes)
+        parts.append((np.maximum(tree.feature, 0), tree.threshold, left, right))
+        sample_leaf.append(number[tree.apply(features)])
+        roots.append(nodes)
+        nodes += int(tree.node_count)
+        leaves += int(is_leaf.sum())
+
+    if nodes > np.iinfo(np.int16).max:
+        raise SjasimError(f"{nodes} nodes do not fit the model's int16; grow fewer leaves")
     feature, threshold, left, right = (np.concatenate(column) for column in zip(*parts, strict=True))
-    if base > np.iinfo(np.int16).max:
-        raise SjasimError(f"{base} nodes do not fit the model's int16; grow fewer leaves")
-    return Grown(
+    return Forest(
         feature.astype(np.uint8), threshold.astype(np.float16), left.astype(np.int16), right.astype(np.int16),
-        np.array(roots, np.int16), np.array(leaf_of, np.int32), leaves,
+        np.array(roots, np.int16), np.array(sample_leaf, np.int32), leaves,
     )  # fmt: skip
 
 
-def _library() -> Any:
+def _ensemble_module() -> Any:
+    """Return scikit-learn's ensembles, or raise a SjasimError that says how to install them."""
     try:
         from sklearn import ensemble
     except ImportError as error:

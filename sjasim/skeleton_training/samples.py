@@ -1,4 +1,4 @@
-"""From scenes to what a forest learns from: features of pixels, the joint they belong to, where all joints are."""
+"""Training samples: pixels of random scenes with their features, nearest joint, and offsets to all joints."""
 
 from __future__ import annotations
 
@@ -24,31 +24,48 @@ from ..sensors.skeleton.forest import point_features
 from ..sensors.skeleton.person_measures import measure_persons
 from .scenes import Scene
 
-WIDTH = 256
-PLACE_M, JOINT_M = 0.04, 0.04
-"""Standard deviations of the predicted place of a trunk and of a joint that pixels are shared out with."""
-YAW_RAD, YAW_LOOSE_RAD, LOOSE = math.radians(9.0), math.radians(30.0), 0.15
-"""Standard deviations of the tracked yaw, and of the share of cases in which it has gone astray."""
-SCALE = 0.015
+WIDTH_PX = 256
+"""Columns of the depth image."""
+
+TRUNK_ERROR_M = 0.04
+"""Standard deviation of the predicted place of a trunk, by which pixels are assigned to persons."""
+
+JOINT_ERROR_M = 0.04
+"""Standard deviation of the predicted place of a joint."""
+
+YAW_ERROR_RAD = math.radians(9.0)
+"""Standard deviation of the tracked heading."""
+
+LARGE_YAW_ERROR_RAD = math.radians(30.0)
+"""Standard deviation of the tracked heading after tracking has gone astray."""
+
+LARGE_YAW_ERROR_SHARE = 0.15
+"""Share of persons with the large heading error."""
+
+SCALE_ERROR = 0.015
 """Standard deviation of the estimated over the true stature."""
+
+MIN_PIXELS = 40
+"""Smallest number of pixels of a person from which samples are drawn."""
+
 _BASE = JOINT_INDEX["SpineBase"]
 
 
 @dataclass(frozen=True, slots=True)
 class ObservedScene:
-    """One scene as the sensor takes it.
+    """One scene of D dancers as the sensor sees it.
 
     Attributes:
-        scene: foreground with owners.
-        owner: (N,) true owner of every point, -1 for no dancer.
-        joints: (D, 25, 3) true joints as points [m].
-        yaw_rad: (D,) true yaws.
-        persons: (D, 6) rows for the forests, with errors as tracking has them.
-        counts: (D,) points of each.
-        prior: (D, 25, 3) predicted joints.
+        foreground: points of the foreground with their owners; valid until the next scene.
+        owner: (N,) true owner of each point, -1 for no dancer.
+        joints: (D, 25, 3) true joints as points: x, height, z [m].
+        yaw_rad: (D,) true headings relative to facing the sensor.
+        persons: (D, 6) rows of person features for the forests, with tracking errors.
+        counts: (D,) number of points of each dancer.
+        prior: (D, 25, 3) predicted joints [m].
     """
 
-    scene: Foreground
+    foreground: Foreground
     owner: NDArray[np.int64]
     joints: Array
     yaw_rad: Array
@@ -58,48 +75,59 @@ class ObservedScene:
 
 
 class TrainingSensor:
-    """A sensor that takes scenes.
+    """A depth sensor with the segmentation of depth sensing and simulated tracking errors.
 
     Args:
-        seed: of its noise and of the errors of tracking.
-        name: of the random stream.
+        seed: seed of depth noise and tracking errors.
+        name: name of the random stream.
+
+    Attributes:
+        intrinsics: intrinsics of the camera.
     """
 
     def __init__(self, seed: int, name: str) -> None:
         config = SensorConfig()
-        self._config = config
-        self.intrinsics = Intrinsics.from_field_of_view(WIDTH, config.horizontal_fov_rad, config.vertical_fov_rad)
+        self._range_m = (config.min_range_m, config.max_range_m)
+        self.intrinsics = Intrinsics.from_field_of_view(WIDTH_PX, config.horizontal_fov_rad, config.vertical_fov_rad)
         self._rng = stream(seed, "training", name, "sensor")
-        self._scene = Foreground.allocate(self.intrinsics)
+        self._foreground = Foreground.allocate(self.intrinsics)
         self._camera: DepthCamera | None = None
 
-    def see(self, mount: Mount, scene: Scene) -> ObservedScene:
-        """Take one scene; the foreground is valid until the next."""
+    def observe_scene(self, mount: Mount, scene: Scene) -> ObservedScene:
+        """Return a scene as the sensor sees it; its foreground is valid until the next call."""
         rng = self._rng
+        joints = joint_points(mount, scene)
+
+        geom = self._render_foreground(mount, scene)
+        places = joints[:, _BASE][:, [0, 2]] + TRUNK_ERROR_M * rng.standard_normal((len(joints), 2))
+        # The prediction of a joint has the error of the trunk and one of its own.
+        shift = TRUNK_ERROR_M * rng.standard_normal((len(joints), 1, 3))
+        prior = joints + shift + JOINT_ERROR_M * rng.standard_normal(joints.shape)
+        segmentation.assign_owners(self._foreground, places, prior, np.full(2, np.nan))
+
+        pixel = self._foreground.pixel[: self._foreground.count]
+        point_geom = geom[pixel[:, 0], pixel[:, 1]]
+        owner = np.where(point_geom >= 0, scene.geoms.owner[point_geom], -1)
+
+        # Tracking sometimes follows a wrong heading; the forests have to cope with that.
+        large_error = rng.random(len(joints)) < LARGE_YAW_ERROR_SHARE
+        yaw_error = np.where(large_error, LARGE_YAW_ERROR_RAD, YAW_ERROR_RAD)
+        yaw = scene.yaw_rad + yaw_error * rng.standard_normal(len(joints))
+        scales = scale_from_stature(scene.stature_m) * (1.0 + SCALE_ERROR * rng.standard_normal(len(joints)))
+        per_pixel = 1.0 / (self.intrinsics.fx * self.intrinsics.fy)
+        body = measure_persons(self._foreground, places, scales, per_pixel)
+        persons = person_features(body, scales, yaw)
+        return ObservedScene(self._foreground, owner, joints, scene.yaw_rad, persons, body[:, 0], prior)
+
+    def _render_foreground(self, mount: Mount, scene: Scene) -> NDArray[np.int16]:
+        """Extract the foreground of a noisy depth image; return (H, W) the geom of each pixel, -1 for none."""
+        # All scenes have the same mount.
         if self._camera is None:
             self._camera = DepthCamera(mount, self.intrinsics)
         picture = self._camera.render(scene.geoms)
-        limits = (self._config.min_range_m, self._config.max_range_m)
-        depth = kinect_noise.add_kinect_noise(picture, scene.geoms.form, self.intrinsics.fx, limits, rng)
-        extract_foreground(depth, self.intrinsics, float(mount.position[2]), self._scene)
-        joints = (scene.joints_m - mount.position) @ mount.world_from_sensor
-        joints[:, :, 1] += mount.position[2]
-        places = joints[:, _BASE][:, [0, 2]] + PLACE_M * rng.standard_normal((len(joints), 2))
-        shift = PLACE_M * rng.standard_normal((len(joints), 1, 3))
-        prior = joints + shift + JOINT_M * rng.standard_normal(joints.shape)
-        segmentation.assign_owners(self._scene, places, prior, np.full(2, np.nan))
-        count = self._scene.count
-        pixel = self._scene.pixel[:count]
-        geom = picture.geom[pixel[:, 0], pixel[:, 1]]
-        owner = np.where(geom >= 0, scene.geoms.owner[geom], -1)
-        loose = rng.random(len(joints)) < LOOSE
-        yaw = scene.yaw_rad + np.where(loose, YAW_LOOSE_RAD, YAW_RAD) * rng.standard_normal(len(joints))
-        scales = scale_from_stature(scene.stature_m) * (1.0 + SCALE * rng.standard_normal(len(joints)))
-        per_pixel = 1.0 / (self.intrinsics.fx * self.intrinsics.fy)
-        body = measure_persons(self._scene, places, scales, per_pixel)
-        return ObservedScene(
-            self._scene, owner, joints, scene.yaw_rad, person_features(body, scales, yaw), body[:, 0], prior
-        )
+        depth = kinect_noise.add_kinect_noise(picture, scene.geoms.form, self.intrinsics.fx, self._range_m, self._rng)
+        extract_foreground(depth, self.intrinsics, float(mount.position[2]), self._foreground)
+        return picture.geom
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,10 +135,10 @@ class Samples:
     """Pixels to learn from.
 
     Attributes:
-        features: (N, F + 9).
+        features: (N, F + 9) features of each pixel.
         joint: (N,) nearest joint.
-        offset: (N, 25, 3) to all joints: forward, up, left, over the scale [m].
-        yaw: (N, 2) cosine and sine of the true yaw.
+        offset: (N, 25, 3) offsets to all joints: forward, up, left, over the person's scale [m].
+        yaw: (N, 2) cosine and sine of the true heading.
     """
 
     features: NDArray[np.float32]
@@ -119,47 +147,68 @@ class Samples:
     yaw: NDArray[np.float32]
 
 
-def in_body(displacement: Array, persons: Array) -> Array:
-    """Displacements (..., 3) of points in a person's frame, over their scale: forward, up, left [m].
+def joint_points(mount: Mount, scene: Scene) -> Array:
+    """Return (D, 25, 3) true joints as the sensor's points: x to its left, height, z away from it [m]."""
+    joints = (scene.joints_m - mount.position) @ mount.world_from_sensor
+    joints[:, :, 1] += mount.position[2]
+    return np.asarray(joints)
+
+
+def in_person_frame(displacement: Array, persons: Array) -> Array:
+    """Return displacements in the frame of a person: forward, up, left, over the person's scale [m].
 
     Args:
-        displacement: x, height, z [m].
-        persons: (..., 6) rows whose scale, cosine and sine count, without the coordinates' axis.
+        displacement: (..., 3) x, height, z [m].
+        persons: (..., 6) rows of person features, of which scale and cosine and sine of the heading are used.
     """
+    # Forward is the direction of the heading, which is 0 when the person faces the sensor.
     x, up, z = np.moveaxis(displacement, -1, 0)
-    scale, cos, sin = persons[..., 3], persons[..., 4], persons[..., 5]
+    scale = persons[..., 3]
+    cos = persons[..., 4]
+    sin = persons[..., 5]
     return np.stack([-sin * x - cos * z, up, -cos * x + sin * z], axis=-1) / scale[..., None]
 
 
-def gather(
+def draw_samples(
     scenes: Iterable[tuple[Mount, Scene]], probes: NDArray[np.float16], each: int, seed: int, name: str
 ) -> Samples:
-    """Draw pixels from scenes; rare joints' pixels are drawn more often than they come.
+    """Draw pixels of all dancers of some scenes.
+
+    Pixels of joints that have few pixels are drawn with a larger probability.
 
     Args:
-        scenes: what to look at.
-        probes: (F, 4) offsets of the features [m].
-        each: pixels per person and scene.
-        seed: of noise and drawing.
-        name: of the random stream.
+        scenes: the scenes, with the mount of the sensor.
+        probes: (F, 4) offsets of the depth-difference features [m].
+        each: number of pixels per dancer and scene.
+        seed: seed of noise and drawing.
+        name: name of the random stream.
     """
-    watcher, rng = TrainingSensor(seed, name), stream(seed, "training", name, "pixels")
+    sensor = TrainingSensor(seed, name)
+    rng = stream(seed, "training", name, "pixels")
     parts: list[tuple[NDArray[Any], ...]] = []
     for mount, scene in scenes:
-        seen = watcher.see(mount, scene)
-        count = seen.scene.count
-        for k in range(len(seen.joints)):
-            rows = np.flatnonzero((seen.owner == k) & (seen.scene.owner[:count] == k))
-            if len(rows) < 40:
+        observed = sensor.observe_scene(mount, scene)
+        foreground = observed.foreground
+        for k in range(len(observed.joints)):
+            # Pixels that belong to the dancer and that segmentation assigned correctly.
+            rows = np.flatnonzero((observed.owner == k) & (foreground.owner[: foreground.count] == k))
+            if len(rows) < MIN_PIXELS:
                 continue
-            points = seen.scene.point[rows].astype(float)
-            away = seen.joints[k][None] - points[:, None]
-            nearest = (away**2).sum(axis=2).argmin(axis=1)
-            often = np.bincount(nearest, minlength=len(JOINTS))[nearest]
-            chance = 1.0 / np.sqrt(often)
-            drawn = rng.choice(len(rows), min(len(rows), each), replace=False, p=chance / chance.sum())
-            features = point_features(seen.scene, rows[drawn], probes, watcher.intrinsics.fx, seen.persons[k])
-            offset = in_body(away[drawn], seen.persons[k])
-            yaw = np.tile([math.cos(seen.yaw_rad[k]), math.sin(seen.yaw_rad[k])], (len(drawn), 1))
+            offsets = observed.joints[k][None] - foreground.point[rows].astype(float)[:, None]
+            nearest = (offsets**2).sum(axis=2).argmin(axis=1)
+            drawn = _draw_evenly(rng, nearest, each)
+
+            person = observed.persons[k]
+            features = point_features(foreground, rows[drawn], probes, sensor.intrinsics.fx, person)
+            offset = in_person_frame(offsets[drawn], person)
+            heading = [math.cos(observed.yaw_rad[k]), math.sin(observed.yaw_rad[k])]
+            yaw = np.tile(heading, (len(drawn), 1))
             parts.append((features, nearest[drawn], offset.astype(np.float16), yaw.astype(np.float32)))
     return Samples(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _draw_evenly(rng: np.random.Generator, nearest: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Return indices of pixels; the weight of a pixel falls with the square root of its joint's number of pixels."""
+    pixels_of_joint = np.bincount(nearest, minlength=len(JOINTS))[nearest]
+    weight = 1.0 / np.sqrt(pixels_of_joint)
+    return rng.choice(len(nearest), min(len(nearest), count), replace=False, p=weight / weight.sum())

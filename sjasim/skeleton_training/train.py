@@ -1,4 +1,4 @@
-"""The whole training, from a seed to a model; the same seed and settings give the same arrays on the same machine."""
+"""Training of the skeleton model from a seed; the same seed and recipe give the same model on the same machine."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ import numpy as np
 from ..assets.names import JOINTS
 from ..sensors.skeleton.posture_prior import FEATURE_COUNT
 from ..sensors.skeleton.trained_model import FORMAT_VERSION, SkeletonModel
-from .forests import Growth, draw_probes, grow, grow_yaw, leaf_votes
-from .samples import gather
-from .scenes import scenes
-from .tuning import estimate, mean_posture, regress, remember, thresholds
+from .forests import Growth, draw_probes, grow_joint_forest, grow_yaw_forest, leaf_votes
+from .samples import draw_samples
+from .scenes import random_scenes
+from .tuning import estimate_joints, fit_posture_regression, mean_posture, reference_postures, support_thresholds
 
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """What to train on.
+    """Amount of training data, and size of the forests.
 
     Attributes:
         scenes: number of scenes for the forests.
-        tuning: number of scenes for thresholds.
-        postures: number of scenes, of which no picture is taken, for the posture's regression.
-        remembered: number of scenes, of which no picture is taken either, whose postures are remembered.
-        pixels: pixels per person and scene.
+        tuning: number of scenes for the thresholds.
+        postures: number of scenes for the regression of postures; no depth images are made of them.
+        remembered: number of scenes for the reference postures; no depth images are made of them.
+        pixels: number of pixels per person and scene.
         probes: number of depth-difference features.
-        seed: of everything random.
+        seed: seed of everything random.
         growth: size of the forests.
     """
 
@@ -45,47 +45,57 @@ class Recipe:
 
 
 SMALL = Recipe(scenes=260, tuning=80, postures=1000, growth=Growth(leaves=2000, yaw_leaves=600))
-"""A recipe for under a minute on two cores."""
+"""A recipe that takes less than a minute on two cores."""
+
+MEAN_POSTURE_SCENES = 40
+"""Number of scenes from which the mean posture is taken."""
 
 
-def train(recipe: Recipe, say: Callable[[str], None] = lambda _: None) -> SkeletonModel:
+def train(recipe: Recipe, on_progress: Callable[[str], None] = lambda _: None) -> SkeletonModel:
     """Train a model.
 
     Args:
-        recipe: what on.
-        say: is told what happens, line by line.
+        recipe: amount of data and size of the forests.
+        on_progress: called with a line after each part of the training.
     """
-    seed, began = recipe.seed, time.perf_counter()
+    seed = recipe.seed
+    started_s = time.perf_counter()
 
-    def tell(what: str) -> None:
-        say(f"{time.perf_counter() - began:6.1f} s  {what}")
+    def report(text: str) -> None:
+        on_progress(f"{time.perf_counter() - started_s:6.1f} s  {text}")
 
     probes = draw_probes(recipe.probes, seed)
-    drawn = gather(scenes(recipe.scenes, seed, "train"), probes, recipe.pixels, seed, "train")
-    tell(f"{len(drawn.joint)} pixels of {recipe.scenes} scenes")
-    yaws, yaw_vote = grow_yaw(drawn, recipe.growth, seed)
-    tell(f"{yaws.leaves} leaves for yaws")
-    grown = grow(drawn, recipe.growth, seed)
-    tell(f"{grown.leaves} leaves for joints")
-    said = leaf_votes(drawn, grown)
+    samples = draw_samples(random_scenes(recipe.scenes, seed, "train"), probes, recipe.pixels, seed, "train")
+    report(f"{len(samples.joint)} pixels of {recipe.scenes} scenes")
+
+    yaw_forest, yaw_vote = grow_yaw_forest(samples, recipe.growth, seed)
+    report(f"{yaw_forest.leaves} leaves of the yaw forest")
+    forest = grow_joint_forest(samples, recipe.growth, seed)
+    report(f"{forest.leaves} leaves of the joint forest")
+
+    votes = leaf_votes(samples, forest)
+    report("votes of the leaves")
+
+    # Thresholds, regression and postures are filled in by `tuned`, which needs the forests.
+    mean = mean_posture(random_scenes(MEAN_POSTURE_SCENES, seed, "train"))
     info = json.dumps({"version": FORMAT_VERSION, "seed": seed, "recipe": dataclasses.asdict(recipe)})
     model = SkeletonModel(
-        probes, grown.feature, grown.threshold, grown.left, grown.right, grown.roots, said.joint,
-        said.offset, said.view, said.spread, yaws.feature, yaws.threshold, yaws.left, yaws.right, yaws.roots, yaw_vote,
-        np.zeros(len(JOINTS), np.float32), np.zeros((FEATURE_COUNT, 3 * len(JOINTS)), np.float16),
-        np.zeros((0, 3 * len(JOINTS)), np.float16), mean_posture(scenes(40, seed, "train")), info,
+        probes, forest.feature, forest.threshold, forest.left, forest.right, forest.roots, votes.joint, votes.offset,
+        votes.view, votes.spread, yaw_forest.feature, yaw_forest.threshold, yaw_forest.left, yaw_forest.right,
+        yaw_forest.roots, yaw_vote, np.zeros(len(JOINTS), np.float32),
+        np.zeros((FEATURE_COUNT, 3 * len(JOINTS)), np.float16), np.zeros((0, 3 * len(JOINTS)), np.float16), mean, info,
     )  # fmt: skip
-    tell("leaves have their votes")
     model = tuned(model, recipe)
-    tell("thresholds and postures")
+    report("thresholds and postures")
     return model
 
 
 def tuned(model: SkeletonModel, recipe: Recipe) -> SkeletonModel:
-    """The same forests with thresholds, posture regression and postures from other scenes."""
+    """Return a model with thresholds, regression and reference postures from scenes other than the training's."""
     seed = recipe.seed
-    support = thresholds(estimate(scenes(recipe.tuning, seed, "tune"), model, seed, "tune"))
+    estimates = estimate_joints(random_scenes(recipe.tuning, seed, "tune"), model, seed, "tune")
+    support = support_thresholds(estimates)
     mean = model.mean.astype(float)
-    posture = regress(scenes(recipe.postures, seed, "posture"), mean, seed)
-    memory = remember(scenes(recipe.remembered, seed, "memory"), mean)
+    posture = fit_posture_regression(random_scenes(recipe.postures, seed, "posture"), mean, seed)
+    memory = reference_postures(random_scenes(recipe.remembered, seed, "memory"), mean)
     return dataclasses.replace(model, support=support, posture=posture, memory=memory)

@@ -1,7 +1,7 @@
-"""Trials that no training saw: whole dances before a depth sensor, with the truth beside every frame.
+"""Trials: whole dances in front of a depth sensor, with the truth of every frame.
 
-Bodies move as planned, without physics, so that minutes of them cost seconds. Streams, builds, dances and places are
-other ones than those of the training's scenes.
+No training uses them: random streams, builds, dances and places differ from those of the training scenes. Bodies move
+exactly as planned, without physics, so that a minute of dance takes seconds to compute.
 """
 
 from __future__ import annotations
@@ -16,26 +16,44 @@ from numpy.typing import NDArray
 from ..assets.names import JOINTS
 from ..choreography.layout import Layout, layout
 from ..config import BodyConfig, PhysicsConfig, RobotConfig, SceneConfig, SensorConfig, SessionConfig
-from ..core import NOT_TRACKED, Array, Cue, Geoms, IntArray, Move, Solids, dancer_name
+from ..core import NOT_TRACKED, Array, Geoms, IntArray, Move, Skeletons, Solids, dancer_name
 from ..core.clock import stream
 from ..humans.body.anatomy import Build
 from ..humans.body.proportions import scaled_anatomy
 from ..humans.motion.reference_trajectory import ReferenceTrajectory
 from ..sensors.depth_sensing import DepthSensing
 from ..simulation.physics import Physics
-from .scenes import RATE_HZ, dance, planned, random_build
+from .scenes import RATE_HZ, planned_motion, random_build, random_dance
 
 WARM_FRAMES = 30
-"""Frames at the start that are not judged."""
+"""Frames at the start that are not evaluated."""
+
+IDENTITY_FRAMES = 5
+"""Frames at the start in which persons are not assigned to dancers yet."""
+
+SIDE_M = (1.25, 1.5)
+"""Smallest and largest side of a trial's square of dancers."""
+
+LAYOUT_TURN_DEG = (24.0, 38.0)
+"""Smallest and largest turn of that square [degrees]."""
+
+EXTREME_STATURES_M = (1.52, 1.93)
+"""Statures of extreme builds."""
+
+EXTREME_MASSES_KG = (52.0, 98.0)
+"""Masses of extreme builds."""
 
 
 class PosedView:
-    """A stage whose bodies are put where they are planned to be; what sensors see of it.
+    """A scene whose bodies are set to planned postures, as sensors see it.
 
     Args:
-        stage: the stage.
-        plans: one per dancer, on a grid of 30 Hz.
-        robot: place and heading of the robot.
+        physics: the bodies.
+        plans: planned motion of each dancer at 30 Hz.
+        robot: x, y [m] and heading [rad] of the robot.
+
+    Attributes:
+        time_s: time of the current tick.
     """
 
     def __init__(self, physics: Physics, plans: list[ReferenceTrajectory], robot: tuple[float, float, float]) -> None:
@@ -43,10 +61,10 @@ class PosedView:
         self._plans = plans
         self._robot = robot
         self.time_s = 0.0
-        self.at(0)
+        self.set_tick(0)
 
-    def at(self, tick: int) -> None:
-        """Go to a tick of the plans."""
+    def set_tick(self, tick: int) -> None:
+        """Set all bodies to the postures of a tick of the plans."""
         joints = np.array([plan.joints[tick] for plan in self._plans])
         roots = np.zeros((len(self._plans), 6))
         roots[:, :3] = [plan.pelvis[tick] for plan in self._plans]
@@ -56,7 +74,7 @@ class PosedView:
 
     @property
     def joints_m(self) -> Array:
-        """(D, 25, 3) true joints [m]."""
+        """(D, 25, 3) true joints in the world [m]."""
         return self._physics.joints_m
 
     @property
@@ -66,26 +84,26 @@ class PosedView:
 
     @property
     def geoms(self) -> Geoms:
-        """What there is to see."""
+        """All visible geoms."""
         return self._physics.geoms
 
     @property
     def solids(self) -> Solids:
-        """What can hide something."""
+        """Geoms that can occlude a joint."""
         return self._physics.solids
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """One dance to be seen.
+    """Description of one dance in front of a sensor.
 
     Attributes:
-        seed: of builds, dances, places and noise.
-        length_s: how long it lasts.
-        facing_rad: heading of everyone relative to facing the sensor.
+        seed: seed of builds, dances, places and noise.
+        length_s: duration.
+        facing_rad: heading of all dancers relative to facing the sensor.
         turns: whether dancers also turn, by 90 degrees there and back.
-        aligned: whether rows stand behind one another, as in the paper's layout.
-        edge: whether builds come from the edges of the range: tall and heavy, tall and light, short and so on.
+        aligned: whether dancers stand behind one another in rows, as in the paper's layout.
+        edge: whether builds are extreme: each stature with each mass at the limits of the range.
         width_px: columns of the image.
     """
 
@@ -100,17 +118,17 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class TrialResult:
-    """What a trial showed: T frames, D dancers.
+    """What a sensor found in a trial of T frames and D dancers, and the truth.
 
     Attributes:
-        trial: which.
-        true: (T, D, 25, 3) joints in the sensor's frame [m].
-        found: (T, D, 25, 3) those of the person that was first taken for the dancer, NaN if not tracked [m].
-        state: (T, D, 25) how they are known.
-        visible: (T, D, 25) which the sensor could see.
-        name: (T, D) identity of the person at the dancer's place, -1 for nobody.
-        strangers: (T,) persons at nobody's place.
-        cpu_s: (T,) time for image, noise and skeletons.
+        trial: the trial.
+        true: (T, D, 25, 3) true joints in the sensor's frame [m].
+        found: (T, D, 25, 3) joints of the persons that were first assigned to the dancer, NaN if not tracked [m].
+        state: (T, D, 25) tracking states of these joints.
+        visible: (T, D, 25) whether the sensor could see the joint.
+        person: (T, D) identity of the person at the dancer's place, -1 for none.
+        extra_persons: (T,) number of persons who are at no dancer's place.
+        cpu_s: (T,) CPU time for image, noise and skeletons.
     """
 
     trial: Trial
@@ -118,77 +136,114 @@ class TrialResult:
     found: Array
     state: NDArray[np.int8]
     visible: NDArray[np.bool_]
-    name: IntArray
-    strangers: IntArray
+    person: IntArray
+    extra_persons: IntArray
     cpu_s: Array
 
-
-def place_everyone(trial: Trial) -> Layout:
-    """Slots of a trial: the session's layout, its side and turn varied; or aligned rows."""
-    rng = stream(trial.seed, "trial", "layout")
-    scene = SceneConfig(side_m=float(rng.uniform(1.25, 1.5)), turn_rad=math.radians(float(rng.uniform(24.0, 38.0))))
-    return layout(SessionConfig(layout="rows" if trial.aligned else "square", scene=scene))
-
-
-def prepare_trial(trial: Trial) -> tuple[PosedView, Layout]:
-    """Cast and plan a trial."""
-    rng = stream(trial.seed, "trial", "cast")
-    room = place_everyone(trial)
-    heading = math.pi / 2 + trial.facing_rad
-    plans, bodies = [], []
-    for index, slot in enumerate(room.dancers):
-        build = random_build(rng)
-        if trial.edge:
-            build = Build(float(rng.choice([1.52, 1.93])), float(rng.choice([52.0, 98.0])))
-        body = scaled_anatomy(build)
-        cues = dance(rng, dancer_name(index), trial.length_s)
-        plans.append(planned(body, _kept(cues, trial), trial.length_s, slot=slot, heading_rad=heading))
-        bodies.append(body)
-    joints, pelvis = np.array([plan.joints[0] for plan in plans]), np.array([plan.pelvis[0] for plan in plans])
-    physics = Physics(bodies, room, (heading, heading), joints, pelvis, PhysicsConfig(), BodyConfig(), RobotConfig())
-    return PosedView(physics, plans, (float(room.robot[0]), float(room.robot[1]), heading)), room
-
-
-def _kept(cues: list[Cue], trial: Trial) -> list[Cue]:
-    """Without turns, unless the trial has them."""
-    return [cue for cue in cues if trial.turns or cue.move is not Move.TURN]
-
-
-def record_trial(view: PosedView, room: Layout, trial: Trial, ticks: int) -> TrialResult:
-    """Let the north sensor see a view tick by tick."""
-    config = replace(SensorConfig(), width_px=trial.width_px)
-    mount = room.mounts[0]
-    sensing = DepthSensing(mount, SessionConfig(sensors=config), stream(trial.seed, "trial", "sensor"))
-    dancers = len(view.joints_m)
-    shape = (ticks, dancers, len(JOINTS))
-    true, found = np.zeros((*shape, 3)), np.full((*shape, 3), np.nan)
-    state, visible = np.zeros(shape, np.int8), np.zeros(shape, bool)
-    name, strangers = np.full((ticks, dancers), -1), np.zeros(ticks, dtype=np.int64)
-    cpu = np.zeros(ticks)
-    first: dict[int, int] = {}
-    for tick in range(ticks):
-        view.at(tick)
-        began = time.thread_time()
-        skeletons = sensing.sample(view)
-        cpu[tick] = time.thread_time() - began
-        assert skeletons is not None
-        true[tick] = (view.joints_m - mount.position) @ mount.world_from_sensor
-        visible[tick] = sensing.visibility
-        strangers[tick] = int((sensing.dancers < 0).sum())
-        for row, (person, dancer) in enumerate(zip(skeletons.persons.tolist(), sensing.dancers.tolist(), strict=True)):
-            if dancer >= 0:
-                name[tick, dancer] = person
-                if tick >= 5:
-                    first.setdefault(person, dancer)
-            owner = first.get(person, -1)
-            if owner >= 0:
-                known = skeletons.state[row] != NOT_TRACKED
-                found[tick, owner, known] = skeletons.joints[row, known]
-                state[tick, owner] = skeletons.state[row]
-    return TrialResult(trial, true, found, state, visible, name, strangers, cpu)
+    @classmethod
+    def empty(cls, trial: Trial, frames: int, dancers: int) -> TrialResult:
+        """Return a result without persons, to be filled frame by frame."""
+        shape = (frames, dancers, len(JOINTS))
+        return cls(
+            trial,
+            true=np.zeros((*shape, 3)),
+            found=np.full((*shape, 3), np.nan),
+            state=np.zeros(shape, np.int8),
+            visible=np.zeros(shape, bool),
+            person=np.full((frames, dancers), -1),
+            extra_persons=np.zeros(frames, dtype=np.int64),
+            cpu_s=np.zeros(frames),
+        )
 
 
 def run_trial(trial: Trial) -> TrialResult:
-    """Perform a trial and see it."""
-    view, room = prepare_trial(trial)
-    return record_trial(view, room, trial, round(trial.length_s * RATE_HZ))
+    """Prepare a trial and record it."""
+    view, place = prepare_trial(trial)
+    return record_trial(view, place, trial, round(trial.length_s * RATE_HZ))
+
+
+def prepare_trial(trial: Trial) -> tuple[PosedView, Layout]:
+    """Return the scene of a trial, with bodies drawn and dances planned, and its layout."""
+    rng = stream(trial.seed, "trial", "cast")
+    place = _trial_layout(trial)
+    heading = math.pi / 2 + trial.facing_rad
+    plans = []
+    bodies = []
+    for index, slot in enumerate(place.dancers):
+        build = random_build(rng)
+        if trial.edge:
+            build = Build(float(rng.choice(EXTREME_STATURES_M)), float(rng.choice(EXTREME_MASSES_KG)))
+        body = scaled_anatomy(build)
+        cues = random_dance(rng, dancer_name(index), trial.length_s)
+        if not trial.turns:
+            cues = [cue for cue in cues if cue.move is not Move.TURN]
+        plans.append(planned_motion(body, cues, trial.length_s, slot=slot, heading_rad=heading))
+        bodies.append(body)
+
+    joints = np.array([plan.joints[0] for plan in plans])
+    pelvis = np.array([plan.pelvis[0] for plan in plans])
+    physics = Physics(bodies, place, (heading, heading), joints, pelvis, PhysicsConfig(), BodyConfig(), RobotConfig())
+    return PosedView(physics, plans, (float(place.robot[0]), float(place.robot[1]), heading)), place
+
+
+def _trial_layout(trial: Trial) -> Layout:
+    """Return rows if the trial is aligned, otherwise the square of a session with a random side and turn."""
+    rng = stream(trial.seed, "trial", "layout")
+    side_m = float(rng.uniform(*SIDE_M))
+    turn_rad = math.radians(float(rng.uniform(*LAYOUT_TURN_DEG)))
+    scene = SceneConfig(side_m=side_m, turn_rad=turn_rad)
+    return layout(SessionConfig(layout="rows" if trial.aligned else "square", scene=scene))
+
+
+def record_trial(view: PosedView, place: Layout, trial: Trial, frames: int) -> TrialResult:
+    """Record the north sensor's skeletons of a scene, with the truth.
+
+    Args:
+        view: the scene.
+        place: the layout with the sensor's mount.
+        trial: the trial, whose seed and image width are used.
+        frames: number of frames.
+    """
+    config = replace(SensorConfig(), width_px=trial.width_px)
+    mount = place.mounts[0]
+    sensor = DepthSensing(mount, SessionConfig(sensors=config), stream(trial.seed, "trial", "sensor"))
+    result = TrialResult.empty(trial, frames, len(view.joints_m))
+    first_dancer: dict[int, int] = {}
+    for frame in range(frames):
+        view.set_tick(frame)
+        # The time of this thread is not affected by other processes.
+        started_s = time.thread_time()
+        skeletons = sensor.sample(view)
+        result.cpu_s[frame] = time.thread_time() - started_s
+        assert skeletons is not None
+
+        result.true[frame] = (view.joints_m - mount.position) @ mount.world_from_sensor
+        result.visible[frame] = sensor.visibility
+        result.extra_persons[frame] = int((sensor.dancers < 0).sum())
+        _add_persons(result, frame, skeletons, sensor.dancers.tolist(), first_dancer)
+    return result
+
+
+def _add_persons(
+    result: TrialResult, frame: int, skeletons: Skeletons, dancers: list[int], first_dancer: dict[int, int]
+) -> None:
+    """Write the persons of a frame.
+
+    Args:
+        result: the result; changed.
+        frame: index of the frame.
+        skeletons: persons with their joints.
+        dancers: dancer at the place of each person, -1 for none.
+        first_dancer: person to the dancer at whose place the person was first seen; extended. A person who is later
+            at another dancer's place still counts for the first one, which makes it an error of that dancer's joints.
+    """
+    for row, (person, dancer) in enumerate(zip(skeletons.persons.tolist(), dancers, strict=True)):
+        if dancer >= 0:
+            result.person[frame, dancer] = person
+            if frame >= IDENTITY_FRAMES:
+                first_dancer.setdefault(person, dancer)
+        owner = first_dancer.get(person, -1)
+        if owner >= 0:
+            known = skeletons.state[row] != NOT_TRACKED
+            result.found[frame, owner, known] = skeletons.joints[row, known]
+            result.state[frame, owner] = skeletons.state[row]

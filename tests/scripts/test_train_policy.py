@@ -1,4 +1,4 @@
-"""Training leaves a policy that numpy alone can read, and that dances."""
+"""Training of a policy: the file can be read with numpy alone, and the method ``learned`` accepts it."""
 
 import importlib.util
 import sys
@@ -25,14 +25,14 @@ def script(monkeypatch):
 
 @pytest.mark.parametrize("name", ["policy.npz", "checkpoint-512.zip"])
 def test_an_earlier_policy_is_replaced_only_on_request(tmp_path, monkeypatch, capsys, name):
-    names = ("PPO", "BaseCallback", "Monitor", "DummyVecEnv", "SubprocVecEnv", "VecNormalize")
+    names = ("PPO", "BaseCallback", "Monitor", "DummyVecEnv", "SubprocVecEnv", "VecEnv", "VecNormalize")
     common = [f"stable_baselines3.common{part}" for part in ("", ".callbacks", ".monitor", ".vec_env")]
     for library in ("torch", "stable_baselines3", *common):
         fake = types.ModuleType(library)
         fake.__dict__.update({name: type(name, (), {}) for name in names})
         monkeypatch.setitem(sys.modules, library, fake)
     training = script(monkeypatch)
-    training.check_out(training.Options(out=tmp_path / "new"))
+    training.check_output_folder(training.Options(out=tmp_path / "new"))
     (tmp_path / name).write_bytes(b"mine")
     with pytest.raises(SystemExit) as end:
         training.main(training.Options(out=tmp_path))
@@ -41,11 +41,11 @@ def test_an_earlier_policy_is_replaced_only_on_request(tmp_path, monkeypatch, ca
         capsys.readouterr().err
         == f"error: {tmp_path / name} exists: name another folder, or allow it with --overwrite\n"
     )
-    training.check_out(training.Options(out=tmp_path, overwrite=True))
+    training.check_output_folder(training.Options(out=tmp_path, overwrite=True))
 
 
 @pytest.mark.slow
-def test_a_short_training_leaves_a_policy_and_what_it_takes_to_go_on(tmp_path, monkeypatch, capsys):
+def test_a_short_training_writes_a_policy_and_can_be_continued(tmp_path, monkeypatch, capsys):
     pytest.importorskip("stable_baselines3", reason="the extra rl is not installed")
     import torch
 
@@ -57,12 +57,12 @@ def test_a_short_training_leaves_a_policy_and_what_it_takes_to_go_on(tmp_path, m
     assert list((tmp_path / "two").glob("checkpoint-*.npz"))
     network = PolicyNetwork.read(tmp_path / "two" / "policy.npz")
     model = training.PPO.load(tmp_path / "two" / "policy.zip", device="cpu")
-    env = training.make(training.Options())
+    env = training.make_environment(training.Options())
     row, _ = env.reset(seed=0)
-    told = row * env.std + env.mean
+    features = row * env.std + env.mean
     with torch.no_grad():
         logits = model.policy.get_distribution(torch.as_tensor(row[None])).distribution.logits[0].numpy()
-    scores = network.scores(told.astype(float))
+    scores = network.scores(features.astype(float))
     assert scores - scores.mean() == pytest.approx(logits - logits.mean(), abs=1e-4)
-    assert np.argmax(scores) == np.argmax(row[training.MOVE_IN_FORCE.start :][:4])
+    assert np.argmax(scores) == np.argmax(row[training.CURRENT_MOVE_FEATURES.start :][:4])
     build_method("learned", {"policy": str(tmp_path / "two" / "policy.npz")})

@@ -75,7 +75,7 @@ def frames(count: int = 12) -> tuple[list[np.ndarray], list[Skeletons]]:
     depths = []
     found = []
     for tick in range(count):
-        view.at(tick)
+        view.set_tick(tick)
         depths.append(sensing.frame(view))
         found.append(estimator.update(view.time_s, depths[-1]))
     return depths, found
@@ -88,7 +88,7 @@ def test_joints_beyond_the_tracking_range_are_inferred_and_not_visible():
         layout.mounts[0], SessionConfig(sensors=replace(SensorConfig(), max_range_m=far_m)), stream(0, "sensor")
     )
     for tick in range(12):
-        view.at(tick)
+        view.set_tick(tick)
         skeletons = sensing.sample(view)
     depth_m = ((view.joints_m - layout.mounts[0].position) @ layout.mounts[0].world_from_sensor)[..., 2]
     assert (depth_m > far_m).any()
@@ -203,7 +203,7 @@ def test_the_record_gets_the_dancer_behind_each_person_and_the_visible_joints():
     assert sensing.dancers.shape == (0,)
     assert sensing.visible.shape == (0, 25)
     for tick in range(4):
-        view.at(tick)
+        view.set_tick(tick)
         found = sensing.sample(view)
     assert sorted(sensing.dancers.tolist()) == [0, 1, 2]
     assert sensing.visible.shape == (3, 25)
