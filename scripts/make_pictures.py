@@ -70,7 +70,7 @@ class Photographer:
             return
         if now_s < self._picture_time_s():
             return
-        self.scene = self._camera.render("room", self._session.server.active)
+        self.scene = self._camera.render("scene", self._session.server.active)
         self.video_frame = add_captions(self.scene, caption_title(self._session, now_s), captions(self._session, now_s))
 
     def _picture_time_s(self) -> float:
