@@ -1,14 +1,15 @@
-"""Colours of dancers and robot, the same in pictures, recordings and plots, and told apart by colour-blind eyes.
+"""Colours of dancers and robot in pictures, recordings and plots; colour-blind people can distinguish them.
 
-Red, green, blue from 0 to 255, from the palette of Okabe and Ito.
+They are red, green and blue from 0 to 255, from the palette of Okabe and Ito.
 """
 
 from __future__ import annotations
 
 DANCERS = ((213, 94, 0), (0, 158, 115), (0, 114, 178), (204, 121, 167), (230, 159, 0), (86, 180, 233))
-"""Clothes, lines and lanes of the dancers, in the order of the cast; beyond the sixth they begin anew."""
+"""Colours of the dancers in their order; the seventh dancer has the first colour again."""
 
 ROBOT = (70, 70, 78)
+"""Colour of the robot."""
 
 
 def dancer_colour(index: int) -> tuple[int, int, int]:

@@ -1,4 +1,4 @@
-"""Every joint, site and sensor name that code uses, in one place."""
+"""Names of joints, hinges and sensors, and contact bits of the physics model."""
 
 from __future__ import annotations
 
@@ -35,34 +35,34 @@ ACTUATED_INDEX = {name: index for index, name in enumerate(ACTUATED)}
 """Hinge name -> column in every (J,) array."""
 
 ROOT_JOINTS = ("root_x", "root_y", "root_z", "root_yaw", "root_pitch", "root_roll")
-"""Three slides and three hinges that let a dancer's pelvis move freely."""
+"""Three slide joints and three hinges by which a dancer's pelvis moves freely."""
 
 TETHERED = ("root_x", "root_y", "root_yaw", "root_pitch", "root_roll")
-"""Root joints that the tether may pull at; the vertical is free."""
+"""Root joints on which the balance support acts; the vertical one is free."""
 
 ROBOT_PREFIX = "robot/"
-"""Prefix of every name in the robot's part of the model."""
+"""Prefix of all names in the robot's part of the model."""
 
 CARDINALS = ("north", "west", "south", "east")
-"""The sensors, in the order in which the dance turns to them (counter-clockwise)."""
+"""Names of the sensors, in the order in which the dancers turn to them: counter-clockwise."""
 
 
 def dancer_prefix(index: int) -> str:
-    """Prefix of every name in one dancer's part of the model, index from 0."""
+    """Prefix of all names in the part of the model that belongs to the dancer with this index, counted from 0."""
     return f"dancer_{index + 1}/"
 
 
 FLOOR_BIT = 1
-"""Contact bit of the floor; it meets everything that names it in its conaffinity."""
+"""Contact bit of the floor; geoms whose conaffinity contains it collide with the floor."""
 
 ROBOT_BIT = 2
 """Contact bit of the robot's geoms."""
 
 
 HAND_BIT = 1 << 10
-"""Contact bit of the hands, which lets a dancer's own two meet."""
+"""Contact bit of the hands, by which the two hands of one dancer collide with each other."""
 
 
 def dancer_bit(index: int) -> int:
-    """Contact bit of one dancer's geoms; dancers meet one another and the robot, not themselves."""
+    """Contact bit of a dancer's geoms. Dancers collide with one another and with the robot, not with themselves."""
     return 4 << index

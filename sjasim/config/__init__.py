@@ -1,7 +1,7 @@
-"""Configuration: one frozen dataclass for each room, gathered in `SessionConfig`.
+"""Configuration: a frozen dataclass for each part of the system; `SessionConfig` holds them all.
 
-Every value is checked when the object is made, so that a wrong one stops a session before anything is written. A
-default that no source supports says ``assumed``. `toml_file` converts to and from plain data and TOML.
+Every value is checked when the object is made, so that a wrong one is refused before a session starts. A default that
+no source supports is marked ``assumed``. `toml_file` converts to and from plain data and TOML.
 """
 
 from .body import BodyConfig

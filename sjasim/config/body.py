@@ -1,4 +1,4 @@
-"""The dancers' bodies and what supports their balance."""
+"""Bodies of the dancers and the support of their balance."""
 
 from __future__ import annotations
 
@@ -10,16 +10,18 @@ from .checks import one_of, within
 
 @dataclass(frozen=True, slots=True)
 class BodyConfig:
-    """The dancers' builds and the tether.
+    """Bodies of the dancers, and the support of their balance.
 
     Attributes:
-        model: ``sjasim`` (our own), ``cmu`` (dm_control's CMU humanoid; needs dm-control) or module:Class.
-        stature_m: lowest and highest stature to draw from.
-        mass_kg: lowest and highest mass to draw from.
-        balance_support: ``weak`` (saturating) or ``none``: balance alone; physics and balance then run at 240 Hz, unless other
-            rates are given than the 150 and 50 Hz of a tether, at which nobody stands alone.
-        support_force_n: most horizontal force of the tether, each axis.
-        support_torque_nm: most torque of the tether, each axis.
+        model: ``sjasim`` (sjasim's own), ``cmu`` (the CMU humanoid of dm_control, which must be installed) or
+            module:Class.
+        stature_m: smallest and largest stature [m]; each dancer's is drawn between them.
+        mass_kg: smallest and largest mass [kg]; each dancer's is drawn between them.
+        balance_support: ``weak``: forces and torques of limited size at the pelvis help a dancer to stay upright.
+            ``none``: dancers balance alone. Physics and balance control then run at 240 Hz unless rates other than the
+            default ones are given, at which no dancer stays upright alone.
+        support_force_n: largest horizontal force of the balance support along each axis [N].
+        support_torque_nm: largest torque of the balance support about each axis [Nm].
     """
 
     model: str = "sjasim"

@@ -1,4 +1,4 @@
-"""The sensor clients' clocks."""
+"""Errors of the sensor clients' clocks."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from .checks import within
 
 @dataclass(frozen=True, slots=True)
 class ClockConfig:
-    """The clients' clocks.
+    """Errors of the sensor clients' clocks.
 
     Attributes:
-        max_offset_s: largest initial offset against the server, drawn evenly to both sides.
-        max_skew: largest relative rate error, drawn evenly to both sides (a PC's quartz: some 50e-6).
+        max_offset_s: largest offset from the server's clock at the start [s]; drawn uniformly in both directions.
+        max_skew: largest relative rate error; drawn uniformly in both directions (quartz of a PC: about 50e-6).
     """
 
     max_offset_s: float = 0.5

@@ -1,4 +1,4 @@
-"""Which dance, and how fast."""
+"""Choreography and music."""
 
 from __future__ import annotations
 
@@ -10,19 +10,20 @@ from .checks import within
 
 @dataclass(frozen=True, slots=True)
 class DanceConfig:
-    """Which dance, how fast, and what precedes it.
+    """Choreography and music.
 
     Attributes:
         name: a registered choreography or module:function.
-        bpm: tempo of the music (iqbal2016: 118).
-        step_m: nominal length of a forward or backward move.
-        tempo: how the tempo changes: beat of the song and factor of ``bpm`` from there on, changing evenly from each
-            to the next; a factor that rises is an accelerando, one that falls a ritardando. Beat 0 is the song's
-            first, the rehearsal's if there is one.
-        pauses: beat of the song and seconds of silence before it.
-        lead_in_s: silence before the music; clocks synchronise meanwhile.
-        tail_s: how long the session goes on after the last beat.
-        rehearsal: whether one humans-only iteration precedes the dance, as the methods' history.
+        bpm: tempo of the music [beats/min] (iqbal2016: 118).
+        step_m: nominal length of a forward or backward move [m].
+        tempo: changes of the tempo: pairs of a beat of the music and the factor of ``bpm`` there, between which the
+            factor changes linearly. A rising factor is an accelerando, a falling one a ritardando. Beat 0 is the first
+            of the music, which is the rehearsal's if there is one.
+        pauses: pairs of a beat of the music and the seconds of silence before it.
+        lead_in_s: silence before the music [s], during which the clocks are synchronised.
+        tail_s: duration of the session after the last beat [s].
+        rehearsal: Precede the dance by one iteration of humans only, from which the methods learn;
+            ``--dance.no-rehearsal`` leaves it out.
     """
 
     name: str = "paper"
@@ -37,6 +38,7 @@ class DanceConfig:
     def __post_init__(self) -> None:
         within("dance.bpm", self.bpm, 40.0, 220.0)
         within("dance.step_m", self.step_m, 0.1, 1.0)
+
         for name, points, low, high in (("tempo", self.tempo, 0.5, 2.0), ("pauses", self.pauses, 0.0, 60.0)):
             for beat, value in points:
                 within(f"dance.{name}", beat, 0.0, 1e4)
@@ -44,5 +46,6 @@ class DanceConfig:
             beats = [beat for beat, _ in points]
             if sorted(set(beats)) != beats:
                 raise ConfigError(f"dance.{name}", points, "pairs whose beats rise")
+
         within("dance.lead_in_s", self.lead_in_s, 1.0, 60.0)
         within("dance.tail_s", self.tail_s, 0.0, 60.0)

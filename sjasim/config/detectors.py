@@ -1,4 +1,4 @@
-"""The event detectors behind the sensors."""
+"""Thresholds of the event detectors."""
 
 from __future__ import annotations
 
@@ -9,24 +9,26 @@ from .checks import within
 
 @dataclass(frozen=True, slots=True)
 class DetectorConfig:
-    """Thresholds of the clients' event detectors; each says what a larger value does. Frames are those of 30 Hz.
+    """Thresholds of the event detectors of the sensor clients. Frames are those of a rate of 30 Hz.
 
     Attributes:
-        difference_frames: frames over which SpineBase's velocity is taken; more is smoother and later.
-        start_speed_m_s: speed that starts a move; higher starts later and misses slow moves.
-        stop_speed_m_s: speed below which a move stops; higher stops earlier.
-        min_move_s: shortest move; a stop cannot come earlier.
-        min_hold_s: shortest hold; a start cannot come earlier after a stop.
-        early_displacement_m: floor of a joint's displacement in one frame; at least 3.5 x the one-frame noise.
-        early_joints: how many of SpineMid, both shoulders and Neck must exceed it.
-        early_frames: for how many consecutive frames.
-        early_refractory_s: an early start is armed so long after the regular stop.
-        early_move_share: an early stop is armed after this share of the duration of the dancer's last move of that kind
-            (assumed: iqbal2016 says only "half of the joint positions changed").
-        clap_ratio: hand distance over shoulder distance below which a local minimum is a clap.
-        clap_refractory_s: shortest time between two claps.
-        side_clap_window_s: for so long before and after the beat of a clap other sensors look out for claps of people whose
-            hands the active client does not see; 0: the active client alone, as in iqbal2016.
+        difference_frames: frames over which the velocity of SpineBase is computed; more frames give a smoother, later
+            velocity.
+        start_speed_m_s: speed above which a move starts [m/s]; a higher one detects starts later and misses slow moves.
+        stop_speed_m_s: speed below which a move stops [m/s]; a higher one detects stops earlier.
+        min_move_s: shortest duration of a move [s]; no stop is detected earlier.
+        min_hold_s: shortest time between a stop and the next start [s].
+        early_displacement_m: smallest displacement of a joint in one frame that counts for an early event [m]; it
+            should be at least 3.5 times the noise from frame to frame.
+        early_joints: number of joints among SpineMid, both shoulders and Neck that must exceed it.
+        early_frames: number of consecutive frames in which they must.
+        early_refractory_s: time after a regular stop before which no early start is detected [s].
+        early_move_share: share of the duration of the dancer's last move of the same kind before which no early stop is
+            detected (assumed: iqbal2016 says only "half of the joint positions changed").
+        clap_ratio: ratio of hand distance to shoulder distance below which a local minimum is a clap.
+        clap_refractory_s: shortest time between two claps [s].
+        side_clap_window_s: time before and after the beat of a clap in which other sensors report claps of dancers
+            whose hands the active client does not see [s]; 0: only the active client reports, as in iqbal2016.
     """
 
     difference_frames: int = 4

@@ -1,4 +1,4 @@
-"""What can be made to go wrong."""
+"""Faults that a session can inject."""
 
 from __future__ import annotations
 
@@ -14,19 +14,20 @@ FAULTS = {
     "robot_blocked": "robot",
     "dead_robot": "robot",
 }
-"""Kind of fault -> whom it hits."""
+"""Kind of fault -> kind of its target."""
 
 
 @dataclass(frozen=True, slots=True)
 class FaultConfig:
-    """Something that is made to go wrong.
+    """A fault to inject.
 
     Attributes:
         kind: ``dead_sensor``, ``clock_jump``, ``dancer_stops``, ``dancer_late``, ``robot_blocked`` (its wheels do not
-            turn) or ``dead_robot`` (it neither hears nor reports nor drives). Lost packets are ``network.packet_loss``.
+            turn) or ``dead_robot`` (it neither receives nor reports nor drives). Lost packets are
+            ``network.packet_loss``.
         target: a sensor (``north``...), a dancer (``dancer_1``...) or ``robot``.
-        t_s: session time from which on.
-        value: size: seconds of jump or lateness; unused otherwise.
+        t_s: session time at which the fault begins [s].
+        value: size of a jump or of a lateness [s]; not used by other kinds.
     """
 
     kind: str

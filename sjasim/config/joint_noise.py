@@ -1,4 +1,4 @@
-"""Errors of simulated joints."""
+"""Errors of the skeletons of joint sensing."""
 
 from __future__ import annotations
 
@@ -11,15 +11,17 @@ from .checks import within
 class JointNoiseConfig:
     """Errors of the skeletons that ``joints`` sensing makes from true joints; ``depth`` sensing does not use them.
 
+    The defaults are fitted to the errors of ``depth`` sensing by ``scripts/fit_joint_errors.py`` (seeds 8760 to 8769).
+
     Attributes:
-        bias_m: standard deviation of a joint's constant error, per axis. This and the next six are fitted to what
-            ``depth`` sensing gets wrong, by ``scripts/fit_joint_errors.py`` (seeds 8760 to 8769).
-        drift_m: standard deviation of the slowly varying error of a visible joint of trunk or head, per axis.
-        drift_correlation: correlation of that error between frames; with ``drift_m`` gives .035 cm from frame to frame.
-        limb_drift_m: the same as ``drift_m`` for joints of arms and legs.
-        limb_drift_correlation: of that error.
-        occluded_factor: how much larger both errors are where the joint is hidden.
-        occluded_factor_hand: the same for elbows, wrists and hands.
+        bias_m: standard deviation of a joint's constant error, per axis [m].
+        drift_m: standard deviation of the slowly varying error of a visible joint of trunk or head, per axis [m].
+        drift_correlation: correlation of that error between successive frames; with ``drift_m`` it changes by .035 cm
+            from frame to frame.
+        limb_drift_m: the same as ``drift_m`` for joints of arms and legs [m].
+        limb_drift_correlation: the same as ``drift_correlation`` for them.
+        occluded_factor: factor by which both errors are larger while the joint is occluded.
+        occluded_factor_hand: the same factor for elbows, wrists and hands.
     """
 
     bias_m: float = 0.0103

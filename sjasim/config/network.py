@@ -1,4 +1,4 @@
-"""The local network between clients, server and robot."""
+"""Delays and losses of messages."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from .checks import within
 
 @dataclass(frozen=True, slots=True)
 class NetworkConfig:
-    """The local network between clients, server and robot.
+    """The local network between sensor clients, server and robot.
 
     Attributes:
-        latency_s: shortest one-way delay.
-        jitter_s: mean of the exponential delay on top of it.
-        packet_loss: probability that a message never arrives.
-        uplink_asymmetry_s: additional delay from client to server only; an asymmetric link biases every clock exchange.
-        sync_hz: clock exchanges per second and client.
-        heartbeat_hz: how often the server repeats the robot's current command.
+        latency_s: shortest one-way delay [s].
+        jitter_s: mean of the exponentially distributed delay on top of it [s].
+        packet_loss: probability that a message is lost.
+        uplink_asymmetry_s: additional delay from client to server only [s]; an asymmetric link biases every clock
+            exchange.
+        sync_hz: clock exchanges per second and client [Hz].
+        heartbeat_hz: rate at which the server repeats the robot's current command [Hz].
     """
 
     latency_s: float = 0.015

@@ -9,13 +9,13 @@ from .checks import within
 
 @dataclass(frozen=True, slots=True)
 class PhysicsConfig:
-    """Physics.
+    """Rates of the physics simulation.
 
     Attributes:
-        rate_hz: physics steps per second; 150 is a multiple of cameras', odometry's and balance's rates.
-        control_hz: rate of the balance controller and the joint targets.
-        ground_truth_hz: rate at which the true state is logged, or a little more: a whole number of balance's steps lies
-            between two rows (without a tether 50 becomes 60).
+        rate_hz: physics steps per second [Hz]; 150 is a multiple of the rates of cameras, odometry and balance control.
+        control_hz: rate of the balance controller and of the joint targets [Hz].
+        ground_truth_hz: lowest rate at which the true state is logged [Hz]. It is raised so that a whole number of
+            control steps lies between two rows: without balance support 50 becomes 60.
     """
 
     rate_hz: int = 150

@@ -1,4 +1,4 @@
-"""The robot."""
+"""The robot's base: a TurtleBot 2."""
 
 from __future__ import annotations
 
@@ -13,23 +13,24 @@ class RobotConfig:
     """A TurtleBot 2 on a Kobuki base.
 
     Attributes:
-        wheel_separation_m: distance between the wheels (Kobuki: .230 m).
-        wheel_radius_m: (Kobuki: .035 m).
-        mass_kg: of the whole robot (TurtleBot 2: 6.3 kg).
-        max_speed_m_s: (TurtleBot 2: .65 m/s).
-        max_yaw_rate_rad_s: (Kobuki: 180 degrees/s).
-        ticks_per_rev: encoder ticks per turn of a wheel (Kobuki: 2578.33).
-        odometry_hz: rate of encoders, gyro and wheel commands (Kobuki: 50 Hz).
-        cruise_m_s: speed of a move unless the server needs another to return to the slot.
-        turn_rate_rad_s: largest rate of a commanded turn; the gyro degrades above 110 degrees/s.
-        acceleration_m_s2: limit of the velocity smoother.
-        yaw_acceleration_rad_s2: the same for turning.
-        command_latency_s: between arrival of a command and the first wheel command (real bases: .16-.22 s of lag in all).
-        cmd_timeout_s: the base stops when nothing has been heard for so long.
-        wheel_radius_error: relative error of the radius that odometry believes in.
-        wheel_separation_error: relative error of the track that odometry believes in.
-        gyro_bias_rad_s: constant error of the gyro.
-        gyro_noise_rad_s: standard deviation of one gyro sample.
+        wheel_separation_m: distance between the wheels [m] (Kobuki: .230 m).
+        wheel_radius_m: radius of a wheel [m] (Kobuki: .035 m).
+        mass_kg: mass of the whole robot [kg] (TurtleBot 2: 6.3 kg).
+        max_speed_m_s: largest speed [m/s] (TurtleBot 2: .65 m/s).
+        max_yaw_rate_rad_s: largest yaw rate [rad/s] (Kobuki: 180 degrees/s).
+        ticks_per_rev: encoder ticks per revolution of a wheel (Kobuki: 2578.33).
+        odometry_hz: rate of encoders, gyro and wheel commands [Hz] (Kobuki: 50 Hz).
+        cruise_m_s: speed of a move [m/s], unless the server needs another one to return the robot to its slot.
+        turn_rate_rad_s: largest yaw rate of a commanded turn [rad/s]; above 110 degrees/s the gyro is less accurate.
+        acceleration_m_s2: largest acceleration of the velocity smoother [m/s^2].
+        yaw_acceleration_rad_s2: largest yaw acceleration of the velocity smoother [rad/s^2].
+        command_latency_s: time from the arrival of a command to the first wheel command [s] (real bases lag by .16 to
+            .22 s in all).
+        cmd_timeout_s: time without a message after which the base stops [s].
+        wheel_radius_error: relative error of the wheel radius that odometry uses.
+        wheel_separation_error: relative error of the wheel separation that odometry uses.
+        gyro_bias_rad_s: constant error of the gyro [rad/s].
+        gyro_noise_rad_s: standard deviation of one gyro sample [rad/s].
     """
 
     wheel_separation_m: float = 0.230

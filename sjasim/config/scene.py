@@ -1,4 +1,4 @@
-"""Where dancers, robot and sensors stand."""
+"""Places of dancers, robot and sensors."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from .checks import within
 
 @dataclass(frozen=True, slots=True)
 class SceneConfig:
-    """Where people, robot and sensors stand.
+    """Places of dancers, robot and sensors.
 
     Attributes:
-        side_m: side of the square of four slots (layout ``square``) or distance between rows and columns (``rows``).
-        turn_rad: how far the square is turned; 31.5 degrees lets every cardinal sensor see all four bodies.
-        slots_m: own slots for layout ``custom``: x, y of each dancer, then of the robot.
-        sensor_distance_m: from the centre to each cardinal sensor.
-        sensor_height_m: optical centre above the floor (iqbal2016: .91 m).
+        side_m: side of the square of four slots (layout ``square``), or distance between rows and columns (layout
+            ``rows``) [m].
+        turn_rad: angle by which the square is rotated [rad]; at 31.5 degrees every sensor sees all four bodies.
+        slots_m: slots of layout ``custom``: x and y of each dancer, then of the robot [m].
+        sensor_distance_m: distance of each sensor from the centre [m].
+        sensor_height_m: height of the sensors' optical centres above the floor [m] (iqbal2016: .91 m).
     """
 
     side_m: float = 1.40

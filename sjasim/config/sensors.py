@@ -1,4 +1,4 @@
-"""The depth sensors."""
+"""The four depth sensors."""
 
 from __future__ import annotations
 
@@ -14,19 +14,20 @@ MAX_TRACKED_PERSONS = 6
 
 @dataclass(frozen=True, slots=True)
 class SensorConfig:
-    """Four Kinect v2 sensors; their images under ``depth`` sensing, the error of their skeletons under ``joints``.
+    """The four Kinect v2 sensors.
 
     Attributes:
-        rate_hz: frame rate.
-        status_hz: rate of client status reports.
-        standby_hz: frame rate of a client that idles, at most that of its reports; those between say only that it lives.
-        latency_frames: frames between capture and the moment the client has processed it (Kinect v2: about 2).
-        horizontal_fov_rad: field of view, 70.6 degrees.
-        vertical_fov_rad: 60 degrees.
-        min_range_m: nearest tracked person.
-        max_range_m: farthest tracked person; who sways out of it is inferred.
+        rate_hz: frame rate [Hz].
+        status_hz: rate of the clients' status reports [Hz].
+        standby_hz: frame rate of a client that does not detect events [Hz]. Status reports between its frames contain
+            no persons.
+        latency_frames: frames between the capture of a frame and the end of its processing (Kinect v2: about 2).
+        horizontal_fov_rad: horizontal field of view [rad]; 70.6 degrees.
+        vertical_fov_rad: vertical field of view [rad]; 60 degrees.
+        min_range_m: smallest distance of a tracked person [m].
+        max_range_m: largest distance of a tracked person [m]; joints beyond it are inferred.
         frame_loss: probability that a frame is never delivered.
-        width_px: columns of a depth image: 512 (512 x 424) or 256 (256 x 212).
+        width_px: width of a depth image: 512 (512 x 424) or 256 (256 x 212).
     """
 
     rate_hz: int = 30

@@ -21,14 +21,15 @@ from .sensors import MAX_TRACKED_PERSONS, SensorConfig
 from .synchrony import SynchronyConfig
 
 MAX_DANCERS = 8
+"""Largest number of dancers."""
 
 HUMANS_ONLY = "none"
 """Value of `SessionConfig.method` for a session without a robot."""
 
-SUPPORTED_RATES_HZ = PhysicsConfig().rate_hz, PhysicsConfig().control_hz
+SUPPORTED_RATES_HZ = (PhysicsConfig().rate_hz, PhysicsConfig().control_hz)
 """Default rates of physics and balance control for dancers with balance support."""
 
-UNSUPPORTED_RATES_HZ = 240, 240
+UNSUPPORTED_RATES_HZ = (240, 240)
 """Rates that replace the default ones without balance support: at the default ones no dancer stays upright alone."""
 
 
@@ -45,10 +46,10 @@ class SessionConfig:
         sensing: source of the skeletons: ``depth`` (simulated depth images and nothing else) or ``joints`` (true
             joints that are not occluded, with errors fitted to those of ``depth``; seven to nine times as fast).
         iterations: number of iterations after the rehearsal.
-        layout: ``square``, ``rows`` or ``custom``.
+        layout: arrangement of the slots: ``square``, ``rows`` or ``custom``.
         performance: name of the performance. The same seed and name give the same performance to every method; "" gives
             every method a performance of its own by the same people.
-        fidelity: ``physics``.
+        fidelity: what stands in for reality: ``physics``, the simulated bodies, robot and sensors.
         method_options: options of the method, by the names of the fields of its configuration.
         faults: faults to inject.
         scene: places of dancers, robot and sensors.
@@ -99,7 +100,8 @@ class SessionConfig:
         if isinstance(self.seed, float):
             raise ConfigError("seed", self.seed, "a whole number")
 
-        rates_hz = self.physics.rate_hz, self.physics.control_hz
+        # The object is frozen; a derived value can only be set like this.
+        rates_hz = (self.physics.rate_hz, self.physics.control_hz)
         if self.body.balance_support == "none" and rates_hz == SUPPORTED_RATES_HZ:
             rate_hz, control_hz = UNSUPPORTED_RATES_HZ
             object.__setattr__(self, "physics", replace(self.physics, rate_hz=rate_hz, control_hz=control_hz))

@@ -1,4 +1,4 @@
-"""The synchrony measures."""
+"""Parameters of the synchrony measures."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from .checks import within
 
 @dataclass(frozen=True, slots=True)
 class SynchronyConfig:
-    """The synchrony measures.
+    """Parameters of the synchrony measures.
 
     Attributes:
-        tau_s: window of an event pair (iqbal2016: .25 s).
-        one_to_one: match events one to one, which bounds Q by 1; the paper's own equation does not.
+        tau_s: largest time between two events of a kind that count as synchronous [s] (iqbal2016: .25 s).
+        one_to_one: Match events one to one, which bounds Q by 1; the paper's equation does not.
     """
 
     tau_s: float = 0.25

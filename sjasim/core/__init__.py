@@ -1,8 +1,8 @@
-"""Plain data that crosses doors between rooms: frozen values, SI units, one clock named per field.
+"""Values that the parts of the system exchange: frozen dataclasses and named tuples in SI units.
 
-World z is up, quaternions are wxyz. A time field's name says its clock: ``t_s`` is session time (true
-simulation time for what the world logs, the server's estimate of it for an `Event`), ``t_device_s`` is an
-uncorrected device clock, ``t_arrival_s`` is session time at the receiver.
+World z points up; quaternions are wxyz. The name of a time field names its clock: ``t_s`` is session time (the true
+simulation time in what the world logs, the server's estimate of it in an `Event`), ``t_device_s`` is an uncorrected
+device clock, ``t_arrival_s`` is session time at the receiver.
 """
 
 from .bodies import Cue, DancerStates, Geoms, SceneView, Servos, Solids

@@ -1,4 +1,4 @@
-"""What goes to the stage and comes from it: cues, targets, states, and what others may see of it."""
+"""What the physics takes and gives: cues, states of the dancers, and the scene that sensors see."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from .vocabulary import Array, IntArray, Kind, Move
 
 @dataclass(frozen=True, slots=True)
 class Cue:
-    """One move that a dancer is going to perform, at the time it will really happen.
+    """One move that a dancer is going to perform, with the true time at which it will happen.
 
     Attributes:
-        dancer: who.
+        dancer: name of the dancer.
         move: FORWARD, BACKWARD, CLAP or TURN.
         iteration: 0 for the rehearsal, then 1, 2, ...
         ordinal: place of the move's first event among the iteration's events, from 0.
@@ -32,7 +32,7 @@ class Cue:
     duration_s: float
 
     def events(self) -> tuple[tuple[Kind, float], ...]:
-        """The events that the move gives rise to, with their times; a turn follows a clap and gives none."""
+        """Kinds and times of the events that the move causes. A turn follows a clap and causes none."""
         if self.move is Move.FORWARD:
             return ((Kind.START_FORWARD, self.t_s), (Kind.STOP_FORWARD, self.t_s + self.duration_s))
         if self.move is Move.BACKWARD:
@@ -40,7 +40,7 @@ class Cue:
         return ((Kind.CLAP, self.t_s),) if self.move is Move.CLAP else ()
 
     def delayed(self, by_s: float) -> Cue:
-        """The same cue, later."""
+        """A copy of the cue that is later by this time."""
         return replace(self, t_s=self.t_s + by_s)
 
 
@@ -106,14 +106,14 @@ class DancerStates(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Servos:
-    """The dancers' actuators as the balance controller needs to know them.
+    """Properties of the dancers' actuators that the balance controller needs.
 
     Attributes:
-        stiffness: (D, 25) of the hinge servos [Nm/rad].
-        lead: (D, 25) damping over stiffness: the feed-forward time of a target's rate [s].
-        root_lead: (D, 5) the same for the tether; 0 without one [s].
+        stiffness: (D, 25) stiffness of the hinge servos [Nm/rad].
+        lead: (D, 25) damping over stiffness, which is the feed-forward time of a target's rate [s].
+        root_lead: (D, 5) the same for the balance support; 0 without one [s].
         weight: (D,) body weight [N].
-        leg: (D,) thigh and shank together [m].
+        leg: (D,) length of thigh and shank together [m].
     """
 
     stiffness: Array
@@ -125,14 +125,14 @@ class Servos:
 
 @dataclass(frozen=True, slots=True)
 class Geoms:
-    """The primitives that a stage consists of, at one instant: all that light would meet.
+    """The geoms of the scene at one instant: everything that a depth camera can see.
 
     Attributes:
         form: (G,) 0 plane, 2 sphere, 3 capsule, 4 ellipsoid, 5 cylinder, 6 box, as MuJoCo numbers them.
-        size_m: (G, 3) as MuJoCo means it: radius, then half the length; semi-axes; half edges.
+        size_m: (G, 3) sizes as in MuJoCo: radius, then half the length; semi-axes; half edges.
         position_m: (G, 3) centres in the world.
         rotation: (G, 3, 3) world from geom; the third axis is a plane's normal, a capsule's and cylinder's axis.
-        owner: (G,) the dancer's index; -1 for anything else: floor, robot.
+        owner: (G,) index of the dancer; -1 for the floor and the robot.
     """
 
     form: IntArray
@@ -143,14 +143,16 @@ class Geoms:
 
 
 class Solids(NamedTuple):
-    """The same as compiled code reads it: arrays that always show the present, whose last two nobody else may write.
+    """Geoms that can occlude something, as compiled code reads them.
+
+    The last two arrays belong to the physics and always hold the present; readers must not write to them.
 
     Attributes:
-        rows: (G, 3) row of each in the last two, its owner, its form.
-        shape: (G, 7) size as MuJoCo means it; half edges of a box, and the radius of a ball: the solid lies within the
-            ball round some point of the box, which is turned as the solid is [m].
+        rows: (G, 3) row of each geom in the last two arrays, its owner, its form.
+        shape: (G, 7) size as in MuJoCo; then the half edges of a box with the geom's orientation and the radius of a
+            ball: the geom lies within the union of such balls around all points of the box [m].
         position_m: (all, 3) centres in the world.
-        rotation: (all, 9) world from solid, row-major.
+        rotation: (all, 9) world from geom, row-major.
     """
 
     rows: IntArray
@@ -160,7 +162,7 @@ class Solids(NamedTuple):
 
 
 class SceneView(Protocol):
-    """Read-only sight of the stage that sensors get; a scripted one tests them without physics."""
+    """What sensors may read of the physics. Tests give them a scripted scene without physics."""
 
     @property
     def time_s(self) -> float:
@@ -174,15 +176,15 @@ class SceneView(Protocol):
 
     @property
     def yaw_rad(self) -> Array:
-        """(D,) true headings of the pelvises [rad], 0 along world x, counter-clockwise."""
+        """(D,) true headings of the pelvises, 0 along world x, counter-clockwise [rad]."""
         ...
 
     @property
     def geoms(self) -> Geoms:
-        """Everything that can be seen, at this instant."""
+        """All geoms at this instant."""
         ...
 
     @property
     def solids(self) -> Solids:
-        """All that can hide something from an eye."""
+        """All geoms that can occlude something."""
         ...

@@ -1,4 +1,4 @@
-"""Integer ticks, rates, device clocks, and random streams by name."""
+"""Physics ticks, periodic tasks, device clocks, and random streams by name."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from .errors import ConfigError
 
 @dataclass(frozen=True, slots=True)
 class Ticks:
-    """Physics time as whole ticks: time = tick / rate, never accumulated.
+    """Conversion between physics ticks and session time.
+
+    A time is computed as tick / rate and never accumulated, so that it has no drift.
 
     Attributes:
         rate_hz: physics steps per second.
@@ -26,19 +28,20 @@ class Ticks:
         return tick / self.rate_hz
 
     def at_or_after(self, time_s: float) -> int:
-        """First tick whose time is not before ``time_s``; rounding noise of 1 ns is forgiven."""
+        """First tick whose time is not before ``time_s``, with a tolerance of 1 ns for rounding."""
         return math.ceil(time_s * self.rate_hz - 1e-9 * self.rate_hz)
 
     def first_s(self, time_s: float) -> float:
-        """Session time of the first tick that is not before ``time_s``; no rounding noise is forgiven [s]."""
+        """Session time of the first tick that is not before ``time_s``, without a tolerance [s]."""
         tick = math.ceil(time_s * self.rate_hz - 1e-9 * self.rate_hz)
         at_s = tick / self.rate_hz
         return at_s if at_s >= time_s else (tick + 1) / self.rate_hz
 
     def firing(self, count: int, task_hz: int) -> int:
-        """Tick of the ``count``-th firing of a task, ceil(count P / f).
+        """Tick at which a task runs for the ``count``-th time, counted from 0: ceil(count rate_hz / task_hz).
 
-        Velocities must use the stamped interval: 50 Hz on 240 Hz fires after 4 or 5 ticks.
+        The intervals differ by a tick where the rates do not divide: 50 Hz on 240 Hz runs after 4 or 5 ticks. So a
+        velocity must be computed from the times of its two samples.
 
         Raises:
             ConfigError: the task is faster than the physics.
@@ -49,7 +52,15 @@ class Ticks:
 
 
 class Task:
-    """A periodic duty on the physics' ticks; `due` tells when it fires next."""
+    """A task that runs periodically on physics ticks. ``due`` is the tick of its next run.
+
+    Args:
+        ticks: the physics' ticks.
+        rate_hz: runs per second, at most the physics' rate.
+
+    Raises:
+        ConfigError: the task is faster than the physics.
+    """
 
     __slots__ = ("_count", "_hz", "_rate_hz", "due")
 
@@ -60,14 +71,14 @@ class Task:
         self.due = ticks.firing(0, rate_hz)
 
     def advance(self) -> None:
-        """Move on to the next firing."""
+        """Set ``due`` to the tick of the run after this one."""
         self._count += 1
         self.due = -(-self._count * self._rate_hz // self._hz)
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceClock:
-    """A device's own clock: an offset and a drift against session time, and at most one jump.
+    """The clock of a device: an offset and a drift relative to session time, and at most one jump.
 
     Attributes:
         offset_s: reading at session time 0.
@@ -82,23 +93,24 @@ class DeviceClock:
     jump_s: float = 0.0
 
     def reading(self, t_s: float) -> float:
-        """What the clock shows at session time ``t_s`` [s]."""
+        """Reading of the clock at session time ``t_s`` [s]."""
         jumped = self.jump_s if t_s >= self.jump_at_s else 0.0
         return t_s + self.offset_s + self.drift * t_s + jumped
 
 
 def stream(seed: int, *path: str | int) -> np.random.Generator:
-    """A random stream that depends on the session's seed and its own name only.
+    """A new random generator that depends only on the session's seed and on the stream's name.
 
-    Adding a room never shifts another room's stream. A *person* and a *performance* have separate streams, so
-    that the same people meet every method.
+    Each part of the system draws from streams of its own, so that a new part does not change the numbers of another
+    one. A *person* and a *performance* have separate streams, so that the same people meet every method.
 
     Args:
         seed: the session's seed, not negative.
-        path: the stream's name, such as ``"humans", "person", 0``.
+        path: name of the stream, such as ``"humans", "person", 0``.
 
     Returns:
-        a fresh generator; the same arguments give the same numbers in every process.
+        the generator; the same arguments give the same numbers in every process.
     """
+    # Python's hash() differs from process to process; a CRC does not.
     key = zlib.crc32("/".join(str(part) for part in path).encode())
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, key])))

@@ -1,10 +1,10 @@
-"""Every error sjasim raises on purpose: one line that says what, the value got and what is allowed."""
+"""Errors that sjasim raises on purpose. Each message is one line: what is wrong, the value, what is allowed."""
 
 from __future__ import annotations
 
 
 class SjasimError(Exception):
-    """Root of all errors raised on purpose; command lines print it as one line and exit with 2."""
+    """Base class of all errors raised on purpose. Commands print the message and exit with 2."""
 
 
 class ConfigError(SjasimError):
@@ -12,8 +12,8 @@ class ConfigError(SjasimError):
 
     Args:
         field: dotted name of the field, such as ``robot.cruise_m_s``.
-        value: what was given.
-        allowed: what would be accepted, in words.
+        value: the value that was given.
+        allowed: the values that would be accepted, in words.
     """
 
     def __init__(self, field: str, value: object, allowed: str) -> None:
@@ -24,7 +24,13 @@ class ConfigError(SjasimError):
 
 
 class UnknownNameError(SjasimError):
-    """A plug-in name that nothing is registered under; the message lists what is."""
+    """No plug-in is registered under a name; the message lists the names that exist.
+
+    Args:
+        room: kind of plug-in.
+        name: the name that was asked for.
+        known: the registered names.
+    """
 
     def __init__(self, room: str, name: str, known: tuple[str, ...]) -> None:
         super().__init__(f"no {room} named {name!r}: known are {', '.join(known)}, or module:Class")
@@ -34,12 +40,12 @@ class UnknownNameError(SjasimError):
 
 
 class PluginError(SjasimError):
-    """A plug-in was found but does not keep its contract."""
+    """A plug-in does not keep its contract."""
 
 
 class HookError(PluginError):
-    """A plug-in's own code failed; its exception is the cause, and command lines print its traceback too."""
+    """A plug-in's own code raised an exception, which is this error's cause. Commands print its traceback as well."""
 
 
 class RecordError(SjasimError):
-    """A session's folder cannot be written or read."""
+    """A file or a session's folder cannot be written or read."""

@@ -1,4 +1,4 @@
-"""Network links: latency, jitter, loss and order; a heap of timed messages for sensors, server and robot alike."""
+"""Simulated network links with latency, jitter and loss, and the queue of messages under way."""
 
 from __future__ import annotations
 
@@ -12,17 +12,18 @@ import numpy as np
 T = TypeVar("T")
 
 _BLOCK = 64
+"""Messages for which random numbers are drawn at once, which is cheaper than drawing for each message."""
 
 
 @dataclass(frozen=True, slots=True)
 class LinkQuality:
-    """How one direction of a link behaves.
+    """Delay and loss of one direction of a link.
 
     Attributes:
-        latency_s: shortest one-way delay.
-        jitter_s: mean of the exponential delay on top of it.
+        latency_s: shortest one-way delay [s].
+        jitter_s: mean of the exponentially distributed delay on top of it [s].
         loss: probability that a message never arrives.
-        ordered: whether a message may overtake an earlier one (False) or not (True).
+        ordered: whether messages arrive in the order of sending; if not, one may overtake another.
     """
 
     latency_s: float
@@ -31,23 +32,24 @@ class LinkQuality:
     ordered: bool = False
 
 
-class Mail(Generic[T]):
-    """Messages under way, over one link or many; they come out in order of arrival."""
+class MessageQueue(Generic[T]):
+    """Queue of messages under way, over one link or several; it gives them out in order of arrival."""
 
     def __init__(self) -> None:
-        self._heap: list[tuple[float, int, T]] = []  # arrival, number sent: no two are equal
+        self._heap: list[tuple[float, int, T]] = []
+        """(arrival, number of sending, message); the number makes ties definite and keeps messages uncompared."""
         self._sequence = 0
         self.next_arrival_s = math.inf
-        """When the next message comes out; infinite when none is under way."""
+        """Session time at which the next message arrives; infinite when none is under way [s]."""
 
     def put(self, t_arrival_s: float, message: T) -> None:
-        """Send a message on its way."""
+        """Add a message that arrives at this session time."""
         heapq.heappush(self._heap, (t_arrival_s, self._sequence, message))
         self._sequence += 1
         self.next_arrival_s = self._heap[0][0]
 
     def receive(self, until_s: float) -> list[tuple[float, T]]:
-        """Take out every message that has arrived by ``until_s``, as (arrival time, message), earliest first."""
+        """Remove and return the messages that have arrived by ``until_s``: (arrival time, message), earliest first."""
         arrived: list[tuple[float, T]] = []
         while self._heap and self._heap[0][0] <= until_s:
             t_arrival_s, _, message = heapq.heappop(self._heap)
@@ -57,44 +59,46 @@ class Mail(Generic[T]):
 
 
 class Link(Generic[T]):
-    """One direction of a link: it decides whether and when a message arrives.
+    """One direction of a link, which decides whether and when a message arrives.
 
     Args:
-        quality: latency, jitter, loss.
+        quality: delay and loss.
         rng: the link's own random stream.
-        mail: where its messages are while they are under way; links may share one.
+        queue: holds the messages while they are under way; links may share one.
     """
 
-    def __init__(self, quality: LinkQuality, rng: np.random.Generator, mail: Mail[T]) -> None:
+    def __init__(self, quality: LinkQuality, rng: np.random.Generator, queue: MessageQueue[T]) -> None:
         self._quality = quality
         self._rng = rng
         self._draws: list[tuple[bool, float]] = []
-        self._mail = mail
+        self._queue = queue
         self._last_arrival_s = -np.inf
         self.sent = 0
         self.lost = 0
 
     def send(self, t_s: float, message: T) -> None:
-        """Put a message in at session time ``t_s``; it may be lost.
+        """Send a message at session time ``t_s``; it may be lost.
 
-        The same number of random draws is spent on lost and delivered messages, so that changing the loss
-        changes nothing else.
+        A lost message takes as many random numbers as a delivered one, so that another loss rate does not change the
+        delays of the messages that still arrive.
         """
         self.sent += 1
         if not self._draws:
-            self._draws = self._drawn()
+            self._draws = self._draw_block()
         lost, delay_s = self._draws.pop()
         if lost:
             self.lost += 1
             return
+
         arrival = t_s + delay_s
         if self._quality.ordered:
             arrival = max(arrival, self._last_arrival_s)
             self._last_arrival_s = arrival
-        self._mail.put(arrival, message)
+        self._queue.put(arrival, message)
 
-    def _drawn(self) -> list[tuple[bool, float]]:
-        """The fate of the next messages, whether they are lost and their delay [s]; for many at a time is cheaper."""
+    def _draw_block(self) -> list[tuple[bool, float]]:
+        """(whether it is lost, delay [s]) of the next messages."""
         quality = self._quality
-        lost, delays = self._rng.random(_BLOCK) < quality.loss, self._rng.standard_exponential(_BLOCK)
-        return list(zip(lost.tolist(), (quality.latency_s + delays * quality.jitter_s).tolist(), strict=True))
+        lost = self._rng.random(_BLOCK) < quality.loss
+        delays_s = quality.latency_s + self._rng.standard_exponential(_BLOCK) * quality.jitter_s
+        return list(zip(lost.tolist(), delays_s.tolist(), strict=True))

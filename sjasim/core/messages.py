@@ -1,4 +1,4 @@
-"""What sensors see, and what their clients and the server tell each other."""
+"""Skeletons that sensors deliver, and the messages between sensor clients and the server."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from .vocabulary import Array, IntArray, Kind
 
 
 class Skeletons(NamedTuple):
-    """All persons' skeletons in one frame, as a sensing method delivers them; no clock yet.
+    """Skeletons of all persons in one frame, as a sensing route delivers them, without times.
 
     Attributes:
-        persons: (P,) identities local to the sensor; the same rows in every frame while nobody comes or goes.
+        persons: (P,) identities local to the sensor; the rows stay the same as long as nobody appears or disappears.
         joints: (P, 25, 3) positions in the sensor's frame: x to the sensor's left, y up, z away from the sensor
             (the Kinect's camera space) [m]; NaN where a joint is not tracked.
         state: (P, 25) `NOT_TRACKED`, `INFERRED` or `TRACKED`.
@@ -33,9 +33,9 @@ class SkeletonFrame(NamedTuple):
         sensor: name of the sensor.
         t_device_s: device clock when the frame had been processed.
         t_capture_device_s: device clock when the frame was captured.
-        t_sensor_s: the sensor's own frame time (the Kinect's relative time): its origin means nothing, but it
-            never jumps, so intervals are taken from it.
-        skeletons: what was seen.
+        t_sensor_s: frame time of the sensor itself (the Kinect's relative time). Its origin is arbitrary, but it
+            never jumps, so intervals are computed from it.
+        skeletons: the skeletons of the frame.
     """
 
     sensor: str
@@ -46,13 +46,13 @@ class SkeletonFrame(NamedTuple):
 
 
 class RecordedJoints(NamedTuple):
-    """Skeletons over time, from a recording.
+    """Recorded skeletons over time.
 
     Attributes:
         t_s: (T,) rising times of the frames [s].
         joints_m: (T, P, 25, 3) joints in the Kinect's camera space; NaN where unknown [m].
         state: (T, P, 25) 2 tracked, 1 inferred, 0 not tracked.
-        persons: (P,) who is in which row, as the recording names them: numbers or words.
+        persons: (P,) names of the persons, one for each row, as the recording gives them: numbers or words.
     """
 
     t_s: Array
@@ -68,8 +68,8 @@ class DeviceEvent:
     Attributes:
         sensor: name of the client's sensor.
         person: identity local to that sensor.
-        kind: what happened, or for an early event what is about to.
-        t_device_s: device clock when the frame that shows it had been processed; never back-dated.
+        kind: what happened, or what is about to happen in an early event.
+        t_device_s: device clock when the frame that shows the event had been processed; never earlier.
         early: whether this is an early event.
         t_onset_device_s: the client's estimate of the physical onset on the same clock, or None.
     """
@@ -83,15 +83,15 @@ class DeviceEvent:
 
 
 class PersonStatus(NamedTuple):
-    """Where a client believes a person is.
+    """Estimated position of a person, as a client reports it.
 
     Attributes:
         person: identity local to the sensor.
-        x_m: world position on the floor, from the sensor's known mounting.
-        y_m: the same.
-        yaw_rad: world heading.
+        x_m: position on the floor along world x, by the sensor's known mounting.
+        y_m: position along world y.
+        yaw_rad: heading in the world.
         tracked: share of the 25 joints that are tracked, 0 to 1.
-        hands: share of the two hands that is tracked, 0, .5 or 1.
+        hands: share of the two hands that are tracked: 0, .5 or 1.
     """
 
     person: int
@@ -103,9 +103,12 @@ class PersonStatus(NamedTuple):
 
 
 class ClientStatus(NamedTuple):
-    """A client's regular report (5 Hz) of the persons it sees; the server matches persons with it.
+    """Periodic report of a client (5 Hz), by which the server matches persons and notices dead clients.
 
-    ``persons`` is None where the client has taken no frame since its last report: it lives, and that is all.
+    Attributes:
+        sensor: name of the client's sensor.
+        t_device_s: device clock when the report was sent.
+        persons: the persons that the client sees; None if it has taken no frame since its last report.
     """
 
     sensor: str
@@ -114,14 +117,14 @@ class ClientStatus(NamedTuple):
 
 
 class SyncRequest(NamedTuple):
-    """First half of a clock exchange: the server's time when it asked."""
+    """First half of a clock exchange, with the server's time of sending."""
 
     sensor: str
     t_server_send_s: float
 
 
 class SyncReply(NamedTuple):
-    """Second half of a clock exchange, with the device clock at reception and at sending."""
+    """Second half of a clock exchange, with the device clock at reception and at sending of the reply."""
 
     sensor: str
     t_server_send_s: float
@@ -131,11 +134,11 @@ class SyncReply(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class MoveDuration:
-    """How long a person's last move of one kind took, by its logged events; it arms the early stop of the next.
+    """Duration of a person's last move of one kind, by its logged events. It arms the early stop of the next one.
 
     Attributes:
-        person: identity local to the sensor that is told.
-        start: the move's starting event, START_FORWARD or START_BACKWARD.
+        person: identity local to the sensor that receives the message.
+        start: the event that starts such a move, START_FORWARD or START_BACKWARD.
         duration_s: from the regular start to the regular stop.
     """
 
@@ -146,14 +149,14 @@ class MoveDuration:
 
 @dataclass(frozen=True, slots=True)
 class ClientOrder:
-    """The server's word to a client: detect at full rate, look out for claps only, or idle and only report status.
+    """The server's order to a client: detect all events, detect claps only, or only report its status.
 
     Attributes:
         sensor: name of the client's sensor.
-        watch: whether to detect.
-        durations: what the other clients logged before the hand-over; without it a client has no early stop
-            for the first move of each kind that it sees.
-        assist: whether to look, from the side, for claps of people whose hands the active client does not see.
+        watch: whether to detect all events at the full frame rate.
+        durations: durations of moves that the other clients logged before the hand-over. Without them a client has no
+            early stop for the first move of each kind that it sees.
+        assist: whether to detect, from the side, claps of persons whose hands the active client does not see.
     """
 
     sensor: str
@@ -164,16 +167,16 @@ class ClientOrder:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """An event in session time, attributed to a member of the cast.
+    """An event in session time that is assigned to a dancer.
 
     Attributes:
-        person: cast name, ``dancer_1``...
-        kind: what happened, or for an early event what is about to.
-        t_s: session time by the server's estimate of the client's clock.
+        person: name of the dancer, ``dancer_1``...
+        kind: what happened, or what is about to happen in an early event.
+        t_s: session time, by the server's estimate of the client's clock.
         t_arrival_s: session time when the server received it.
         early: whether this is an early event.
         iteration: the iteration whose window holds ``t_s``.
-        sensor: the client it came from.
+        sensor: name of the sensor whose client reported it.
     """
 
     person: str

@@ -1,4 +1,4 @@
-"""What a method is told before the dance, and what it may answer with; clocks as in `types`."""
+"""What an anticipation method is given before the dance, and what it may answer."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ class Step:
     """One robot event that the choreography wants in every iteration.
 
     Attributes:
-        ordinal: its place in the iteration, from 0.
-        kind: the human event it answers (a clap stands for the robot's turn).
-        occurrence: how many events of this kind come before it in the iteration.
-        beat: nominal beat inside the iteration.
+        ordinal: place of the event in the iteration, from 0.
+        kind: the dancers' event that it corresponds to; the robot turns where dancers clap.
+        occurrence: number of events of this kind that come before it in the iteration.
+        beat: nominal beat of the event in the iteration.
     """
 
     ordinal: int
@@ -37,16 +37,16 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class MethodContext:
-    """All that an anticipation method is told before the dance: never the truth, never the dancers' plan.
+    """All that an anticipation method is given before the dance. It contains neither the truth nor the dancers' plan.
 
     Attributes:
         cast: names of the dancers.
         steps: the robot's events of one iteration, in order.
-        iterations: how many iterations will be danced.
-        beat_s: nominal length of a beat; a dance's tempo may change about it.
+        iterations: number of iterations after the rehearsal.
+        beat_s: nominal duration of a beat, from which a dance's tempo may deviate.
         iteration_start_s: session time of beat 0 of each iteration, index 0 being the rehearsal.
         window_end_s: session time at which each iteration's window closes, same index.
-        tempo: session time of the music's beats, counted from anywhere; steady at ``beat_s`` if not given.
+        tempo: session time of the beats, counted from an arbitrary one; None for a constant ``beat_s``.
         tau_s: largest time between two events of a kind that count as synchronous, as in the session's own measures.
     """
 
@@ -60,7 +60,7 @@ class MethodContext:
     tau_s: float = 0.25
 
     def beat(self, iteration: int, t_s: float) -> float:
-        """The beat of an iteration, and fraction of one, at a session time."""
+        """Beat of an iteration at a session time, as a number with a fraction."""
         start_s = self.iteration_start_s[iteration]
         if self.tempo is None:
             return (t_s - start_s) / self.beat_s
@@ -76,15 +76,16 @@ class MethodContext:
 
 @dataclass(frozen=True, slots=True)
 class ScheduleCommand:
-    """A method's answer: send the command for this step at this time, unless replaced or withdrawn.
+    """Answer of a method: send the command for a step at a time, unless it is replaced or cancelled before.
 
     Attributes:
-        iteration: which iteration.
-        ordinal: which of the context's steps.
+        iteration: the iteration of the step.
+        ordinal: the step, by its place among the context's steps.
         t_s: session time of sending; a time that has passed means at once.
         why: evidence in words, for the decision log.
-        person: the dancer whose event decided it, or "".
-        last_resort: sent only if nothing better comes: its time is not when the step is expected.
+        person: the dancer whose event led to the decision, or "".
+        last_resort: whether the command is only sent if nothing better comes, so that ``t_s`` is not the time at which
+            the step is expected.
     """
 
     iteration: int
@@ -97,7 +98,7 @@ class ScheduleCommand:
 
 @dataclass(frozen=True, slots=True)
 class CancelCommand:
-    """A method's answer: do not send the command for this step after all."""
+    """Answer of a method: do not send the command that is scheduled for a step."""
 
     iteration: int
     ordinal: int
@@ -106,7 +107,7 @@ class CancelCommand:
 
 @dataclass(frozen=True, slots=True)
 class SetTimer:
-    """A method's answer: call ``on_timer(t_s)`` at this session time, which must lie in the future."""
+    """Answer of a method: call ``on_timer(t_s)`` at this session time, which must lie in the future."""
 
     t_s: float
 

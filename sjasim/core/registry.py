@@ -1,7 +1,7 @@
-"""One resolver for every kind of plug-in: a registered name, or ``package.module:Class`` from anywhere.
+"""Finds plug-ins of every kind by a registered name, or as ``package.module:Class``.
 
-A plug-in inside sjasim is one file in its room that calls `register`; there is no list to edit. Rooms are
-imported when a name is first asked for, never at ``import sjasim``.
+A plug-in of sjasim's own is one file in its folder that calls `register`; there is no list to edit. A folder is
+imported when a name of its kind is first resolved, never at ``import sjasim``.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 PACKAGE = "sjasim"
 
-ROOMS = {
+FOLDERS = {
     "anticipation": "anticipation",
     "body": "humans.body",
     "choreography": "choreography",
@@ -27,33 +27,35 @@ ROOMS = {
     "sensing": "sensors",
     "world": "session",
 }
-"""Kind of plug-in -> the room whose files may register one."""
+"""Kind of plug-in -> the folder whose files register plug-ins of this kind."""
 
-APART = {("body", "cmu"): "interop.cmu_humanoid", ("world", "physics"): "simulation.physics_world"}
-"""(kind, name) -> module that registers it once it is asked for: its room must not be imported
-by rooms below it, or needs what may not be installed."""
+REGISTERED_ELSEWHERE = {("body", "cmu"): "interop.cmu_humanoid", ("world", "physics"): "simulation.physics_world"}
+"""(kind, name) -> module outside the kind's folder that registers it, imported when the name is resolved.
+
+These modules import folders above that of their kind, or packages that may not be installed.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A resolved plug-in: the class or function, and the config dataclass it takes (or None)."""
+    """A resolved plug-in: its class or function, and the dataclass of its options, or None."""
 
     name: str
     factory: Callable[..., object]
     config: type | None
 
 
-_ENTRIES: dict[str, dict[str, Entry]] = {kind: {} for kind in ROOMS}
+_ENTRIES: dict[str, dict[str, Entry]] = {kind: {} for kind in FOLDERS}
 _LOADED: set[str] = set()
 
 
 def register(kind: str, name: str, config: type | None = None) -> Callable[[T], T]:
-    """Class or function decorator that makes a plug-in known under a name.
+    """Decorator of a class or function that registers it under a name.
 
     Args:
-        kind: one of `ROOMS`.
+        kind: one of `FOLDERS`.
         name: what users write, such as ``sia``.
-        config: frozen dataclass of the plug-in's options; its defaults are used where none are given.
+        config: frozen dataclass of the plug-in's options; a default is used where no value is given.
 
     Returns:
         the decorator, which returns its argument unchanged.
@@ -61,10 +63,11 @@ def register(kind: str, name: str, config: type | None = None) -> Callable[[T], 
     Raises:
         PluginError: the kind does not exist or the name is taken by something else.
     """
-    if kind not in ROOMS:
-        raise PluginError(f"no kind of plug-in named {kind!r}: known are {', '.join(ROOMS)}")
+    if kind not in FOLDERS:
+        raise PluginError(f"no kind of plug-in named {kind!r}: known are {', '.join(FOLDERS)}")
 
-    def keep(item: T) -> T:
+    def add(item: T) -> T:
+        # A module that is imported a second time may register the same class again.
         known = _ENTRIES[kind].get(name)
         if known is not None and getattr(known.factory, "__qualname__", "") != getattr(item, "__qualname__", ""):
             raise PluginError(f"{kind} {name!r} is registered already, by {known.factory!r}")
@@ -72,24 +75,24 @@ def register(kind: str, name: str, config: type | None = None) -> Callable[[T], 
         _ENTRIES[kind][name] = Entry(name, item, config)
         return item
 
-    return keep
+    return add
 
 
 def names(kind: str) -> tuple[str, ...]:
-    """Names registered for a kind, sorted; loads the room."""
-    _load_room(kind)
-    return tuple(sorted({*_ENTRIES[kind], *(name for other, name in APART if other == kind)}))
+    """Sorted names of all registered plug-ins of a kind."""
+    _load_folder(kind)
+    return tuple(sorted({*_ENTRIES[kind], *(name for other, name in REGISTERED_ELSEWHERE if other == kind)}))
 
 
 def resolve(kind: str, name: str) -> Entry:
     """Find a plug-in.
 
     Args:
-        kind: one of `ROOMS`.
+        kind: one of `FOLDERS`.
         name: a registered name or ``package.module:Attribute``.
 
     Returns:
-        the entry; for an outside attribute its config is the attribute's ``config_type``, if it has one.
+        the entry. Options of a plug-in from another package are those of its attribute ``config_type``, if it has one.
 
     Raises:
         UnknownNameError: no such name is registered.
@@ -97,18 +100,21 @@ def resolve(kind: str, name: str) -> Entry:
     """
     if ":" in name:
         return _resolve_outside(kind, name)
-    _load_room(kind)
-    if (kind, name) in APART:
+
+    _load_folder(kind)
+    if (kind, name) in REGISTERED_ELSEWHERE:
         try:
-            importlib.import_module(f"{PACKAGE}.{APART[kind, name]}")
+            importlib.import_module(f"{PACKAGE}.{REGISTERED_ELSEWHERE[kind, name]}")
         except ImportError as error:
             raise PluginError(f"{kind} {name!r}: {error}") from error
+
     if name not in _ENTRIES[kind]:
         raise UnknownNameError(kind, name, names(kind))
     return _ENTRIES[kind][name]
 
 
 def _resolve_outside(kind: str, name: str) -> Entry:
+    """Import a plug-in that is named as ``module:Attribute``."""
     module_name, _, attribute = name.partition(":")
     try:
         module = importlib.import_module(module_name)
@@ -127,7 +133,7 @@ def _resolve_outside(kind: str, name: str) -> Entry:
 
 
 def _reason(error: Exception) -> str:
-    """Why a module cannot be imported, with the line of its own that is to blame."""
+    """Why a module cannot be imported, with the line of its own code that failed."""
     if isinstance(error, SyntaxError):
         return str(error)
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if "importlib" not in frame.filename]
@@ -135,10 +141,11 @@ def _reason(error: Exception) -> str:
     return f"{type(error).__name__}: {error}{where}"
 
 
-def _load_room(kind: str) -> None:
+def _load_folder(kind: str) -> None:
+    """Import all modules of the folder of a kind, once, so that they register their plug-ins."""
     if kind in _LOADED:
         return
-    room = importlib.import_module(f"{PACKAGE}.{ROOMS[kind]}")
+    room = importlib.import_module(f"{PACKAGE}.{FOLDERS[kind]}")
     for module in pkgutil.iter_modules(room.__path__, prefix=f"{room.__name__}."):
         importlib.import_module(module.name)
     _LOADED.add(kind)

@@ -1,4 +1,4 @@
-"""What the robot is told, and what it says."""
+"""Commands to the robot and its wheels, and readings and state that the robot reports."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from .vocabulary import Move
 
 @dataclass(frozen=True, slots=True)
 class MoveCommand:
-    """An order to the robot. Repeated copies carry the same number and are executed once.
+    """A command to the robot. Repeated copies have the same number and are executed once.
 
     Attributes:
-        number: counts commands of a session from 1; a higher number replaces a lower one.
+        number: number of the command in the session, from 1; a higher number replaces a lower one.
         move: FORWARD, BACKWARD, STOP, TURN or DRIVE.
-        t_start_s: session time when the server sent it first.
-        speed_m_s: cruise speed of a forward or backward move; of DRIVE, and of a STOP that lets the robot settle, its
-            speed, negative for backwards.
-        heading_rad: absolute odometry heading at which a turn ends, or that a move or a stop takes up meanwhile.
-        iteration: the iteration it belongs to.
+        t_start_s: session time when the server first sent it.
+        speed_m_s: cruise speed of a forward or backward move. For DRIVE, and for a STOP that drives the robot to its
+            slot at low speed, the speed itself, negative backwards.
+        heading_rad: absolute odometry heading at which a turn ends, or to which the robot steers during a move or stop.
+        iteration: iteration to which the command belongs.
         ordinal: place of its event among the iteration's events, from 0.
         why: method and evidence in words.
-        yaw_rate_rad_s: of DRIVE; other moves set their own.
+        yaw_rate_rad_s: yaw rate of DRIVE; the other moves determine their own.
     """
 
     number: int
@@ -37,14 +37,14 @@ class MoveCommand:
 
 
 class WheelCommand(NamedTuple):
-    """Wheel speeds for the base [rad/s]."""
+    """Angular speeds of the wheels that the base is to reach [rad/s]."""
 
     left_rad_s: float
     right_rad_s: float
 
 
 class WheelReading(NamedTuple):
-    """What the base's own sensors say: wheel angles since power-up [rad], yaw rate [rad/s]."""
+    """Readings of the base's sensors: wheel angles since power-up [rad] and the gyro's yaw rate [rad/s]."""
 
     left_rad: float
     right_rad: float
@@ -52,15 +52,15 @@ class WheelReading(NamedTuple):
 
 
 class RobotState(NamedTuple):
-    """The robot's own belief, from odometry; session clock (its computer runs the server's clock).
+    """The robot's odometry estimate. Its computer runs the server's clock, so the time is session time.
 
     Attributes:
         t_s: when the sample was taken.
-        x_m: dead-reckoned position.
-        y_m: the same.
-        heading_rad: dead-reckoned heading, unwrapped.
+        x_m: estimated position along world x.
+        y_m: estimated position along world y.
+        heading_rad: estimated heading, unwrapped.
         step_m: displacement along the heading since the last sample.
-        yaw_rate_rad_s: the gyro's rate.
+        yaw_rate_rad_s: yaw rate of the gyro.
     """
 
     t_s: float

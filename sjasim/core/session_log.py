@@ -1,4 +1,4 @@
-"""What a session leaves behind: rows of its logs, and the log as a whole; clocks as in `types`."""
+"""The log of a session, and the rows of its tables. Clocks are named as in `core`."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from . import Array, Cue, DeviceEvent, Event, Kind, MoveCommand
 
 @dataclass(frozen=True, slots=True)
 class AgentEvent:
-    """One thing that an agent did, from an event table, odometry or the truth.
+    """Something that a dancer or the robot did, from an event table, from odometry or from the truth.
 
     Attributes:
         iteration: 0 for the rehearsal, then 1, 2, ...
         agent: ``dancer_1``..., or ``robot``.
-        kind: what it did.
+        kind: what happened.
         t_s: session time.
-        visible: whether the active sensor could see it (truth only; True elsewhere).
+        visible: whether the active sensor could see it; known of true events only, True elsewhere.
     """
 
     iteration: int
@@ -36,13 +36,13 @@ class TableEvent:
     """One row of an event table.
 
     Attributes:
-        session: which session.
+        session: name of the session.
         iteration: 0 for a rehearsal, then 1, 2, ...
-        agent: who; ``robot`` for a robot.
-        kind: what they did.
-        t_s: when, on the session's clock.
-        early: whether the row announces an event that another row tells of.
-        line: where it stands: the line of a CSV file, the row of a Parquet file counted from 1.
+        agent: name of the person; ``robot`` for a robot.
+        kind: what happened.
+        t_s: time on the session's clock.
+        early: whether the row announces an event that has a row of its own.
+        line: line in a CSV file, or row in a Parquet file counted from 1.
     """
 
     session: str
@@ -55,13 +55,13 @@ class TableEvent:
 
 
 def natural_order(agent: str) -> tuple[tuple[str, int], ...]:
-    """A key that sorts agents' names as people count: p2 before p10."""
+    """Sorting key that puts numbers in names into numerical order: p2 before p10."""
     return tuple((word, int(number or 0)) for word, number in re.findall(r"(\D*)(\d*)", agent))
 
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """One line of the decision log: what was decided, when, and on what evidence."""
+    """One row of the decision log: what the method decided, when, and on what evidence."""
 
     t_s: float
     iteration: int
@@ -75,7 +75,7 @@ class Decision:
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """Something that went wrong, named: a dead sensor, a jumped clock, a blocked robot, a fallen dancer."""
+    """A problem that was noticed: a dead sensor, a clock that jumped, a blocked robot, a fallen dancer."""
 
     t_s: float
     source: str
@@ -84,7 +84,7 @@ class Notice:
 
 @dataclass(frozen=True, slots=True)
 class Handover:
-    """From when on a sensor's client was the active one."""
+    """The time from which a sensor's client was the active one."""
 
     t_s: float
     sensor: str
@@ -92,7 +92,7 @@ class Handover:
 
 @dataclass(frozen=True, slots=True)
 class Followed:
-    """Whom the robot's method followed in an iteration, or "" for nobody; without a row it made use of everyone."""
+    """The dancer that the method followed in an iteration, "" for nobody. Without a row it used all dancers' events."""
 
     iteration: int
     person: str
@@ -100,7 +100,7 @@ class Followed:
 
 @dataclass(frozen=True, slots=True)
 class DepthPicture:
-    """One depth image of the active sensor: 16-bit PNG of whole millimetres, 0 where there is none."""
+    """One depth image of the active sensor: a 16-bit PNG in millimetres, 0 where there is no depth."""
 
     t_s: float
     sensor: str
@@ -109,28 +109,28 @@ class DepthPicture:
 
 @dataclass(frozen=True, slots=True)
 class SessionLog:
-    """Everything a session leaves behind; read back from a session's folder it is the same value.
+    """Everything that a session leaves behind. Read from a session's folder it is the same value.
 
     Attributes:
         config: the full configuration as plain data.
         versions: package versions by name.
-        cues: what each dancer planned, at the times they performed.
-        device_events: events on device clocks, with ``t_sent_s``, the true time of sending (for judging clocks).
-        events: events in session time, as the method was told of them.
-        commands: orders sent to the robot.
-        decisions: the method's decision log.
-        robot_events: the robot's events, from its odometry.
-        notices: what went wrong.
+        cues: moves that the dancers performed, with their true times.
+        device_events: events on device clocks, each with the true time of sending, by which clocks are evaluated.
+        events: events in session time, as the method received them.
+        commands: commands sent to the robot.
+        decisions: decisions of the method.
+        robot_events: events of the robot, from its odometry.
+        notices: problems that were noticed.
         odometry: columns of equal length at the odometry rate (t_s, x_m, y_m, heading_rad, step_m,
             yaw_rate_rad_s, true_x_m, true_y_m, true_heading_rad).
-        truth: columns of equal length, one row per (tick, dancer): see `recorder.TRUTH_COLUMNS`.
-        handovers: which sensor's client was active from when on.
-        followed: whom the method followed, for methods that can tell.
-        joints: (F, D, 25, 3) float32 true joints at 30 Hz, or None in a log read from a folder.
-        skeletons: (F, D, 25, 4) float32 joints in the world as the active client saw them at the same frames, and
+        truth: columns of equal length, one row for each logged tick and dancer: see `recorder.TRUTH_COLUMNS`.
+        handovers: changes of the active sensor.
+        followed: dancers that the method followed, if it reports them.
+        joints: (F, D, 25, 3) float32 true joints at 30 Hz; None in a log that was read from a folder.
+        skeletons: (F, D, 25, 4) float32 joints in the world as the active client estimated them at the same frames, and
             their tracking state; NaN where it took no frame or lost the joint. None in a log read from a folder.
-        depth: depth images of the active sensor, if they were asked for; kept in the recording alone.
-        cost: ``sim_s``, ``cpu_s`` and ``wall_s``.
+        depth: depth images of the active sensor, if they were asked for; only the recording keeps them.
+        cost: ``sim_s``, ``cpu_s`` and ``wall_s`` [s].
     """
 
     config: Mapping[str, object]

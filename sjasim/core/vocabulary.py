@@ -1,4 +1,4 @@
-"""Words that every room uses: arrays, names, moves, events, states of a joint."""
+"""Array types, names of agents, moves, kinds of events, tracking states of a joint."""
 
 from __future__ import annotations
 
@@ -8,13 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
-
 IntArray = NDArray[np.int64]
-
-
 BoolArray = NDArray[np.bool_]
-
 
 ROBOT = "robot"
 """The robot's name wherever an agent is named; dancers are ``dancer_1``, ``dancer_2``, ..."""
@@ -26,7 +21,7 @@ def dancer_name(index: int) -> str:
 
 
 class Move(StrEnum):
-    """What a dancer or the robot can be asked to do."""
+    """Moves of a dancer or of the robot."""
 
     FORWARD = "forward"
     BACKWARD = "backward"
@@ -34,11 +29,11 @@ class Move(StrEnum):
     CLAP = "clap"
     TURN = "turn"
     DRIVE = "drive"
-    """The robot only, and only from outside the score: a speed and a yaw rate of the driver's choice."""
+    """Any speed and yaw rate; a move of the robot only, which the score does not contain."""
 
 
 class Kind(StrEnum):
-    """What can be seen to happen. A robot's turn counts as its clap in every synchrony measure.
+    """Kinds of events that sensors detect. The robot's turn counts as its clap in every synchrony measure.
 
     Source: iqbal2016, section IV-B.
     """
@@ -58,15 +53,17 @@ SYNCHRONY_KINDS = (
     Kind.STOP_BACKWARD,
     Kind.CLAP,
 )
-"""The five kinds that enter the synchrony measures."""
+"""The five kinds that synchrony measures use."""
 
 
 class TrackingState(StrEnum):
-    """How a skeleton's joint is known; the numbers in `Skeletons.state` are the codes below, in this order."""
+    """How the position of a joint is known. `Skeletons.state` has the codes below, in this order."""
 
     NOT_TRACKED = "not_tracked"
     INFERRED = "inferred"
     TRACKED = "tracked"
 
 
-NOT_TRACKED, INFERRED, TRACKED = 0, 1, 2
+NOT_TRACKED = 0
+INFERRED = 1
+TRACKED = 2

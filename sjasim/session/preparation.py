@@ -12,7 +12,7 @@ from ..config import FAULTS, SessionConfig
 from ..core import ROBOT, RobotState, dancer_name
 from ..core.clock import stream
 from ..core.errors import ConfigError
-from ..core.link import Link, LinkQuality, Mail
+from ..core.link import Link, LinkQuality, MessageQueue
 from ..core.method_io import MethodContext
 from .world import DownlinkMessage, UplinkMessage
 
@@ -94,8 +94,8 @@ class SessionLinks:
         down = LinkQuality(network.latency_s, network.jitter_s, network.packet_loss)
         up = LinkQuality(network.latency_s + network.uplink_asymmetry_s, network.jitter_s, network.packet_loss)
 
-        self.uplink = Mail[UplinkMessage]()
-        self.downlink = Mail[DownlinkMessage]()
+        self.uplink = MessageQueue[UplinkMessage]()
+        self.downlink = MessageQueue[DownlinkMessage]()
 
         seed = config.seed
         devices = (*sensors, ROBOT)

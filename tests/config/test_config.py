@@ -1,4 +1,4 @@
-"""Values are checked when they are made."""
+"""Configuration values are checked when they are made."""
 
 import dataclasses
 
@@ -43,7 +43,7 @@ def test_every_number_has_limits_and_its_refusal_names_it(room):
         ({"layout": "circle"}, "layout"),
     ],
 )
-def test_a_session_refuses_what_it_cannot_dance(changes, field):
+def test_a_session_refuses_values_out_of_range(changes, field):
     with pytest.raises(ConfigError) as caught:
         SessionConfig(**changes)
     assert caught.value.field == field
@@ -64,7 +64,7 @@ def test_faults_are_of_known_kinds_and_sizes():
         FaultConfig("clock_jump", "north", 0.0, 100.0)
 
 
-def test_without_a_tether_balance_is_fast_unless_rates_are_given():
+def test_without_balance_support_control_is_fast_unless_rates_are_given():
     free = BodyConfig(balance_support="none")
     assert SessionConfig(body=free).physics.control_hz == 240
     assert SessionConfig(body=free, physics=PhysicsConfig(rate_hz=300, control_hz=100)).physics.control_hz == 100
@@ -73,7 +73,7 @@ def test_without_a_tether_balance_is_fast_unless_rates_are_given():
     assert logged == PhysicsConfig(rate_hz=240, control_hz=240, ground_truth_hz=25)
 
 
-def test_depth_sensing_follows_six_people_and_says_so():
+def test_depth_sensing_tracks_six_dancers_at_most():
     assert SessionConfig(dancers=6).dancers == 6
     assert SessionConfig(dancers=8, sensing="joints").dancers == 8
     with pytest.raises(ConfigError, match="dancers = 7 is not allowed: at most 6 with depth sensing"):

@@ -1,4 +1,4 @@
-"""Configuration files: round trips, and refusals that name the field."""
+"""Configuration files: round trips, and errors that name the field."""
 
 import tomllib
 

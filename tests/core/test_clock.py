@@ -15,7 +15,7 @@ def test_time_is_tick_over_rate_and_never_accumulates():
 
 
 @pytest.mark.parametrize("rate", [240, 1000, 333])
-def test_at_or_after_undoes_time(rate):
+def test_at_or_after_inverts_time_s(rate):
     ticks = Ticks(rate)
     assert [ticks.at_or_after(ticks.time_s(k)) for k in range(2000)] == list(range(2000))
     assert ticks.at_or_after(0.5 / rate) == 1
@@ -30,7 +30,7 @@ def test_the_first_tick_is_never_before_the_time():
 
 
 @pytest.mark.parametrize("hz", [1, 7, 30, 50, 240])
-def test_a_task_fires_at_the_first_tick_that_is_due(hz):
+def test_a_task_runs_at_the_first_tick_that_is_not_before_its_time(hz):
     task = Task(Ticks(240), hz)
     for count in range(500):
         assert task.due == int(np.ceil(count * 240 / hz - 1e-9))

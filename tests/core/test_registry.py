@@ -11,7 +11,7 @@ from sjasim.core.errors import PluginError, UnknownNameError
 
 @pytest.fixture
 def outside(monkeypatch):
-    """A module of somebody else's."""
+    """A module outside sjasim with a plug-in."""
 
     class Config:
         pass
@@ -25,7 +25,7 @@ def outside(monkeypatch):
     return module
 
 
-def test_names_load_the_room_and_are_sorted():
+def test_names_import_the_folder_and_are_sorted():
     found = registry.names("anticipation")
     assert {"sia", "eca"} <= set(found)
     assert list(found) == sorted(found)
@@ -38,7 +38,7 @@ def test_an_unknown_name_lists_what_is_known():
         registry.resolve("anticipation", "sai")
 
 
-def test_from_outside_by_module_and_class(outside):
+def test_a_plug_in_of_another_package_is_named_by_module_and_class(outside):
     entry = registry.resolve("anticipation", "somebody_elses:Mine")
     assert entry.factory is outside.Mine
     assert entry.config is outside.Mine.config_type
@@ -51,7 +51,7 @@ def test_a_registered_class_named_by_its_module_keeps_its_config():
 
 
 @pytest.mark.parametrize("name", ["no_such_module:X", "somebody_elses:Nothing", "somebody_elses:text"])
-def test_what_is_not_there_is_named(outside, name):
+def test_an_absent_module_or_class_is_named(outside, name):
     with pytest.raises(PluginError, match=name.partition(":")[0]):
         registry.resolve("anticipation", name)
 

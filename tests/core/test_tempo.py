@@ -1,4 +1,4 @@
-"""When beats fall in music that is steady, changes its tempo, or pauses."""
+"""Times of beats in music with a steady tempo, a changing tempo, and pauses."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ def test_a_steady_tempo():
     assert TempoMap.changing(60, (), ()) == TempoMap.steady(60)
 
 
-def test_a_bent_tempo_goes_through_its_points_and_on():
-    bent = TempoMap((0.0, 4.0, 8.0), (0.0, 2.0, 6.0))
-    assert [bent.time_s(beat) for beat in (-2, 0, 2, 4, 6, 8, 10)] == [-1, 0, 1, 2, 4, 6, 8]
-    assert bent.shifted(3.0).time_s(4.0) == 5.0
+def test_a_tempo_map_interpolates_and_extrapolates():
+    music = TempoMap((0.0, 4.0, 8.0), (0.0, 2.0, 6.0))
+    assert [music.time_s(beat) for beat in (-2, 0, 2, 4, 6, 8, 10)] == [-1, 0, 1, 2, 4, 6, 8]
+    assert music.shifted(3.0).time_s(4.0) == 5.0
 
 
 @pytest.mark.parametrize(
@@ -31,7 +31,7 @@ def test_a_tempo_must_rise(points):
         TempoMap(*points)
 
 
-def test_an_accelerando_is_slow_before_even_within_and_fast_after():
+def test_an_accelerando_is_slow_before_linear_within_and_fast_after():
     music = TempoMap.changing(60.0, ((8.0, 1.0), (16.0, 2.0)), ())
     assert music.time_s(0.0) == 0.0
     assert [music.time_s(beat) for beat in (-4.0, 8.0)] == pytest.approx([-4.0, 8.0])
