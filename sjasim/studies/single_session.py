@@ -52,7 +52,7 @@ def recorded_session(config: SessionConfig, outputs: SessionOutputs) -> Iterator
     Raises:
         SjasimError: the configuration is not usable, or an output cannot be written.
     """
-    _check_method(config)
+    _check_names(config)
     check_outputs(outputs)
     with contextlib.ExitStack() as closing:
         observers = SessionObservers(closing, view=outputs.view, video=outputs.video, log_depth=outputs.log_depth)
@@ -108,10 +108,12 @@ def check_outputs(outputs: SessionOutputs) -> None:
         check_display("write the session with --out DIR, and view it on another computer")
 
 
-def _check_method(config: SessionConfig) -> None:
-    """Make the method once, so that wrong options are refused before anything heavy is imported."""
+def _check_names(config: SessionConfig) -> None:
+    """Make the method once and find the sensing, so that wrong names are refused before anything is compiled."""
     from ..anticipation.method import build_method
+    from ..core.registry import resolve
 
+    resolve("sensing", config.sensing)
     if config.method != HUMANS_ONLY:
         build_method(config.method, config.method_options)
 
