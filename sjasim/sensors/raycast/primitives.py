@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from math import inf, sqrt
 
-from numba import njit
-
 from ...core import Array
 from ...core.compiled import compiled_entry, compiled_inner
 
@@ -36,13 +34,13 @@ TINY = 1e-15
 """A squared length, or a component of a direction, below this counts as zero."""
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def first_intersection(enter: float, leave: float) -> float:
     """Return the first end of the interval ``enter`` to ``leave`` that a ray reaches, infinity if it reaches none."""
     return inf if leave < enter or leave < 0.0 else (enter if enter >= 0.0 else leave)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def ray_plane(px: float, py: float, pz: float, dx: float, dy: float, dz: float, half_x: float, half_y: float) -> float:
     """Return the distance to the front of the plane z = 0; a half width of 0 means that it is unbounded."""
     if dz > -TINY or pz < 0.0:
@@ -53,7 +51,7 @@ def ray_plane(px: float, py: float, pz: float, dx: float, dy: float, dz: float, 
     return float(t) if inside else inf
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def ray_sphere(px: float, py: float, pz: float, dx: float, dy: float, dz: float, radius: float) -> float:
     """Return the distance to a sphere, or to an ellipsoid.
 
@@ -69,7 +67,7 @@ def ray_sphere(px: float, py: float, pz: float, dx: float, dy: float, dz: float,
     return float(first_intersection((-b - root) / a, (root - b) / a))
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def _ray_cap(px: float, py: float, z: float, dx: float, dy: float, dz: float, radius: float, sign: float) -> float:
     """Return where a ray enters (``sign`` -1) or leaves (1) the sphere at a capsule's end; NaN if it misses."""
     a = dx * dx + dy * dy + dz * dz
@@ -77,7 +75,7 @@ def _ray_cap(px: float, py: float, z: float, dx: float, dy: float, dz: float, ra
     return (sign * sqrt(b * b - a * (px * px + py * py + z * z - radius * radius)) - b) / a
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def ray_capsule(px: float, py: float, pz: float, dx: float, dy: float, dz: float, radius: float, half: float) -> float:
     """Return the distance to a capsule along z.
 
@@ -102,7 +100,7 @@ def ray_capsule(px: float, py: float, pz: float, dx: float, dy: float, dz: float
     return inf
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def _slab_interval(p: float, d: float, half: float) -> tuple[float, float]:
     """Return the interval in which one coordinate of a ray lies between -``half`` and ``half``."""
     if abs(d) < TINY:
@@ -113,7 +111,7 @@ def _slab_interval(p: float, d: float, half: float) -> tuple[float, float]:
     return (near, far) if near <= far else (far, near)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def ray_cylinder(px: float, py: float, pz: float, dx: float, dy: float, dz: float, radius: float, half: float) -> float:
     """Return the distance to a cylinder along z: the infinite cylinder's interval cut by that of the two ends."""
     a = dx * dx + dy * dy
@@ -131,7 +129,7 @@ def ray_cylinder(px: float, py: float, pz: float, dx: float, dy: float, dz: floa
     return float(first_intersection(enter, leave))
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def ray_box(
     px: float, py: float, pz: float, dx: float, dy: float, dz: float, half_x: float, half_y: float, half_z: float
 ) -> float:

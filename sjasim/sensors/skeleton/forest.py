@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...core import Array
@@ -93,7 +92,7 @@ def pixel_rank(v: int, u: int) -> float:
     return float(along - math.floor(along))
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def _clipped_depth_mm(
     image: Image, last_v: np.uint32, last_u: np.uint32, v: np.int32, u: np.int32, near: np.int32, far: np.int32
 ) -> np.int32:
@@ -107,7 +106,7 @@ def _clipped_depth_mm(
     return min(max(np.int32(image[row, column]), near), far)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def _depth_difference_mm(
     image: Image, last_v: np.uint32, last_u: np.uint32, v: np.int32, u: np.int32, near: np.int32, far: np.int32,
     per_mm: np.int32, left: int, up: int, other_left: int, other_up: int,
@@ -120,7 +119,7 @@ def _depth_difference_mm(
     return difference
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def write_extra_features(point: Row, person: Row, out: Leaves) -> None:
     """Write a point's extra features from ``out[1]`` on, in the order given at `EXTRA_FEATURES`."""
     scale = person[PERSON_SCALE]
@@ -141,7 +140,7 @@ def write_extra_features(point: Row, person: Row, out: Leaves) -> None:
     out[9] = np.int32(unit * sin)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def _next_node(
     nodes: Nodes, node: np.int32, image: Image, last_v: np.uint32, last_u: np.uint32, v: np.int32, u: np.int32,
     near: np.int32, far: np.int32, per_mm: np.int32, extra: Leaves,
@@ -154,7 +153,7 @@ def _next_node(
     return np.int32(nodes[n, CHILD]) + np.int32(answer > np.int32(nodes[n, THRESHOLD]))
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@compiled_inner
 def find_leaves(nodes: Nodes, image: Image, v: int, u: int, reach: float, extra: Leaves, current: Leaves) -> None:
     """Follow a pixel from the nodes ``current`` to the leaves that it reaches.
 

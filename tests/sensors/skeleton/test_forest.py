@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numba import njit
 from numpy.typing import NDArray
 
 from sjasim.sensors.skeleton.forest import (
@@ -22,6 +23,9 @@ DEPTH = 6
 """Depth of every tree in these tests."""
 
 SHAPE = (20, 30)
+
+find_leaves_compiled = njit(find_leaves)
+"""Compiled, because integers overflow and wrap there as in a session, and the test takes less time."""
 
 
 def tree(rng: np.random.Generator, root: int) -> NDArray[np.int16]:
@@ -80,7 +84,7 @@ def test_trees_descended_together_reach_the_leaves_that_each_reaches_alone(trees
     for v in range(SHAPE[0]):
         for u in range(SHAPE[1]):
             current = np.arange(trees, dtype=np.int32) * count
-            find_leaves(nodes, image, v, u, reach, extra, current)
+            find_leaves_compiled(nodes, image, v, u, reach, extra, current)
             for k in range(trees):
                 alone = nodes[k * count : (k + 1) * count].copy()
                 alone[:, CHILD] -= k * count
