@@ -287,6 +287,7 @@ class Sia(ScheduledMethod):
             t_s: session time at which its command was sent [s].
         """
         rest: list[int] = []
+        # Shift the predicted steps to after the late start, each at its own time at the earliest.
         times_s = [t_s]
         for step in self._context.steps[start + 1 :]:
             if step.kind in PHRASE_STARTS:

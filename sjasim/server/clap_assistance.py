@@ -45,6 +45,7 @@ class ClapAssistance:
             t_s: session time of the report [s].
             visible: dancers of whom it sees both hands.
         """
+        # A dancer whom the client does not see at all counts as unseen as well.
         for name in set(self._cast).difference(visible):
             self._unseen_since_s[name] = t_s
 

@@ -126,6 +126,7 @@ class ClockSync:
         round_trip = (t_arrival_s - reply.t_server_send_s) - (reply.t_device_send_s - reply.t_device_receive_s)
         if round_trip < -MARGIN_S:
             return 0.0
+        # Rounding and the clock's drift during the exchange can make a very short round trip slightly negative.
         round_trip = max(round_trip, 0.0)
         offset = (reply.t_device_receive_s - reply.t_server_send_s + reply.t_device_send_s - t_arrival_s) / 2
         middle = (reply.t_server_send_s + t_arrival_s) / 2
@@ -194,6 +195,7 @@ class ClockSync:
             variance += w * (sample.t_s - mean_t) ** 2
             covariance += w * (sample.t_s - mean_t) * (sample.offset_s - mean_offset)
 
+        # No quartz is worse; a larger estimate is noise.
         self._drift = max(-MAX_DRIFT, min(MAX_DRIFT, covariance / variance))
         self._centroid = (mean_t, mean_offset)
         self._round_trip_s = quickest

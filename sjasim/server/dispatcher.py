@@ -93,6 +93,7 @@ class Dispatcher:
             self._is_alive = True
             self.notices.append(Notice(t_arrival_s, ROBOT, "robot is back"))
 
+        # Reports may overtake one another on the link.
         latest = self._planner.state
         if latest is None or state.t_s >= latest.t_s:
             self._planner.state = state
@@ -132,6 +133,7 @@ class Dispatcher:
             speed_m_s: speed of `Move.DRIVE` [m/s].
             yaw_rate_rad_s: yaw rate of `Move.DRIVE` [rad/s].
         """
+        # The log and the robot's events need a step, although no method has scheduled one.
         key = self._nearest_step(t_s, move)
         self._put_in_force(t_s, key, move, _EXTERNAL, (speed_m_s, yaw_rate_rad_s))
         self._repeat_due_s = t_s

@@ -52,6 +52,7 @@ class EventMerger:
         Returns:
             the event, or None if an earlier report of the same event has been merged already.
         """
+        # Corrected before the comparison: the client that sees the front reports the true kind.
         kind = _MIRRORED.get(report.kind, report.kind) if mirrored else report.kind
         merged_s = self._latest_s.setdefault((person, kind, report.early), [])
         min_gap_s = self._clap_refractory_s if kind is Kind.CLAP else SAME_MOVE_S

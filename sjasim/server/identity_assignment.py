@@ -107,6 +107,7 @@ class IdentityAssigner:
     def _assign(self, t_s: float, persons: Sequence[PersonStatus]) -> list[int | None]:
         """Index of a dancer for each person, with the smallest sum of distances; None beyond every dancer's reach."""
         cost_m = np.full((len(persons), len(self._names)), _NO_MATCH_COST)
+        # A cost beyond every distance instead of infinity, with which the solver would find no assignment at all.
         for row, person in enumerate(persons):
             for index in range(len(self._names)):
                 reach_m = REACH_M + REACH_M_S * max(t_s - self._seen_s[index], 0.0)

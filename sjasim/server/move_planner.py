@@ -174,5 +174,6 @@ class MovePlanner:
         y_m = state.y_m - self._slot_m[1]
         ahead_m = x_m * math.cos(heading) + y_m * math.sin(heading)
 
+        # Braking distance v^2 / 2a, with the sign of the motion.
         speed = state.step_m * self._robot.odometry_hz
         return ahead_m + speed * abs(speed) / (2.0 * self._robot.acceleration_m_s2)
