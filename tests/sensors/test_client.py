@@ -86,7 +86,9 @@ def test_persons_out_of_range_are_left_out_of_the_status():
 def test_messages_carry_the_device_time_at_which_processing_ended():
     client = make_client(clock=CLOCK)
     client.handle_message(0.0, ClientOrder("north", True), 0.0)
-    for t_s, message in run_client(client, walkers(), 0, 150):
+    messages = run_client(client, walkers(), 0, 150)
+    assert len(messages) == 25 + 9
+    for t_s, message in messages:
         assert message.t_device_s == pytest.approx(CLOCK.reading(t_s), abs=1e-9)
 
 

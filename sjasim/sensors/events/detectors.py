@@ -150,7 +150,7 @@ class EventDetector:
         return DeviceEvent(frame.sensor, person, kind, frame.t_device_s, early, onset_s)
 
     def _set_persons(self, persons: IntArray) -> None:
-        """Set who is in which row; initialise the state of new persons and keep that of the others."""
+        """Set the person of each row; initialise the state of new persons and keep that of the others."""
         names = persons.tolist()
         if self._persons is not None and names == self._names:
             self._persons = persons

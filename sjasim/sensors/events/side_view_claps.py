@@ -85,7 +85,7 @@ class SideClapDetector:
         ]
 
     def _set_persons(self, persons: IntArray) -> None:
-        """Set who is in which row; initialise the state of new persons and keep that of the others."""
+        """Set the person of each row; initialise the state of new persons and keep that of the others."""
         names = persons.tolist()
         if self._persons is None or names != self._names:
             previous_names = [] if self._persons is None else self._names

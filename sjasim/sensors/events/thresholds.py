@@ -46,5 +46,5 @@ def threshold_row(config: DetectorConfig, rate_hz: float) -> Records:
 
 
 def _frames_at_rate(reference_frames: int, rate_hz: float) -> int:
-    """Return the number of frames at a rate that last as long as so many at `REFERENCE_RATE_HZ`; at least one."""
+    """Return the number of frames that last as long as some frames at `REFERENCE_RATE_HZ`; at least one."""
     return max(1, round(reference_frames * rate_hz / REFERENCE_RATE_HZ))
