@@ -92,6 +92,54 @@ def visible_surface_m2(image: Image, projection: ImageProjection, point: Array, 
 
 
 @compiled_inner
+def _move_to_means(
+    point: Points, owner: Owners, person: int, ahead_m: float, radius_m: float, hands: Array
+) -> bool:  # fmt: skip
+    """Move two hands (2, 3) to the means of the points that are nearer to the one or the other.
+
+    Args:
+        point: (N, 3) points [m].
+        owner: (N,) person of each point.
+        person: the person whose points count.
+        ahead_m: depth beyond which points belong to the trunk.
+        radius_m: largest distance of a point from its hand.
+        hands: (2, 3) changed in place [m].
+
+    Returns:
+        False if a hand has too few points; nothing is changed then.
+    """
+    sums = np.zeros((2, 3))
+    counts = np.zeros(2)
+    for i in range(len(point)):
+        if owner[i] != person or point[i, 2] > ahead_m:
+            continue
+
+        best = radius_m * radius_m
+        nearest = -1
+        for side in range(2):
+            x = point[i, 0] - hands[side, 0]
+            y = point[i, 1] - hands[side, 1]
+            z = point[i, 2] - hands[side, 2]
+            square = x * x + y * y + z * z
+            if square < best:
+                best = square
+                nearest = side
+
+        if nearest >= 0:
+            counts[nearest] += 1.0
+            for c in range(3):
+                sums[nearest, c] += point[i, c]
+
+    # One hand hides the other: there is nothing to separate.
+    if min(counts[0], counts[1]) < MIN_POINTS:
+        return False
+    for side in range(2):
+        for c in range(3):
+            hands[side, c] = sums[side, c] / counts[side]
+    return True
+
+
+@compiled_inner
 def _separate_hands(
     point: Points, owner: Owners, person: int, ahead_m: float, scale: float, prior: Array, joints: Array
 ) -> None:  # fmt: skip
@@ -112,40 +160,10 @@ def _separate_hands(
             hands[side, c] = prior[PALMS[side], c]
         hands[side, 2] -= HAND_DEPTH_M * scale
 
-    # Two steps of 2-means clustering, started from the predicted hands.
-    reach_m = POINT_RADIUS_M * scale
-    sums = np.zeros((2, 3))
-    counts = np.zeros(2)
+    # 2-means clustering that starts from the predicted hands.
     for _ in range(ITERATIONS):
-        for side in range(2):
-            counts[side] = 0.0
-            for c in range(3):
-                sums[side, c] = 0.0
-
-        for i in range(len(point)):
-            if owner[i] != person or point[i, 2] > ahead_m:
-                continue
-            best = reach_m * reach_m
-            nearest = -1
-            for side in range(2):
-                x = point[i, 0] - hands[side, 0]
-                y = point[i, 1] - hands[side, 1]
-                z = point[i, 2] - hands[side, 2]
-                square = x * x + y * y + z * z
-                if square < best:
-                    best = square
-                    nearest = side
-            if nearest >= 0:
-                counts[nearest] += 1.0
-                for c in range(3):
-                    sums[nearest, c] += point[i, c]
-
-        # One hand hides the other: there is nothing to separate.
-        if min(counts[0], counts[1]) < MIN_POINTS:
+        if not _move_to_means(point, owner, person, ahead_m, POINT_RADIUS_M * scale, hands):
             return
-        for side in range(2):
-            for c in range(3):
-                hands[side, c] = sums[side, c] / counts[side]
 
     for side in range(2):
         for c in range(3):

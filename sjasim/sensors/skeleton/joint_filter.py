@@ -83,6 +83,51 @@ def _signal_share(distance_m: float, noise_m: float) -> float:
     return REST_GAIN + (1.0 - REST_GAIN) * distance_m * distance_m / (distance_m * distance_m + noise_m * noise_m)
 
 
+@compiled_inner
+def _measure_trunk_motion(
+    found: Array, seen: JointMask, joints: Array, state: NDArray[np.int8], yaw_rad: float, interval_s: float,
+    moved: Array, common: Array,
+) -> None:  # fmt: skip
+    """Write how far the trunk is found from its prediction, and the part of it by which the trunk is moved.
+
+    Args:
+        found: (25, 3) joints by the votes [m].
+        seen: (25,) which of them count.
+        joints: (25, 3) predicted joints [m].
+        state: (25,) states at the last frame.
+        yaw_rad: heading relative to facing the sensor.
+        interval_s: time since the last frame.
+        moved: (3,) output, zeros before: mean distance of the trunk joints that stay tracked [m].
+        common: (3,) output: this distance times its gain [m].
+    """
+    count = 0
+    for j in TRUNK:
+        if seen[j] and state[j] == TRACKED:
+            for c in range(3):
+                moved[c] += found[j, c] - joints[j, c]
+            count += 1
+
+    for c in range(3):
+        moved[c] /= max(count, 1)
+        # Along the view (c = 2) a person who stands sideways is smoothed more.
+        sideways = SIDEWAYS * math.sin(yaw_rad) ** 2 if c == 2 else 0.0
+        common[c] = _gain(interval_s, COMMON_S * (1.0 + sideways)) * _signal_share(moved[c], COMMON_M) * moved[c]
+
+
+@compiled_inner
+def _decay(offset: Array, constant_s: float, interval_s: float) -> float:
+    """Let an offset (3,) decay in place, to zero if it is negligible; return its largest component before that [m]."""
+    decay = math.exp(-interval_s / constant_s)
+    largest_m = 0.0
+    for c in range(3):
+        offset[c] = offset[c] * decay
+        largest_m = max(largest_m, abs(offset[c]))
+    if largest_m < NEGLIGIBLE_M:
+        for c in range(3):
+            offset[c] = 0.0
+    return largest_m
+
+
 @compiled_entry
 def filter_joints(
     found: Array, seen: JointMask, posture: Array, yaw_rad: float, spin_rad_s: float, interval_s: float, joints: Array,
@@ -107,19 +152,9 @@ def filter_joints(
                 joints[j, c] = posture[j, c]
             state[j] = NEW
 
-    # Mean motion of the trunk relative to its prediction; along the view (c = 2) a sideways person is smoothed more.
     moved = np.zeros(3)
-    count = 0
-    for j in TRUNK:
-        if seen[j] and state[j] == TRACKED:
-            for c in range(3):
-                moved[c] += found[j, c] - joints[j, c]
-            count += 1
     common = np.zeros(3)
-    for c in range(3):
-        moved[c] /= max(count, 1)
-        sideways = SIDEWAYS * math.sin(yaw_rad) ** 2 if c == 2 else 0.0
-        common[c] = _gain(interval_s, COMMON_S * (1.0 + sideways)) * _signal_share(moved[c], COMMON_M) * moved[c]
+    _measure_trunk_motion(found, seen, joints, state, yaw_rad, interval_s, moved, common)
 
     own_gain = _gain(interval_s, OWN_S / (1.0 + (spin_rad_s / SPIN_RAD_S) ** 2))
     hidden_gain = _gain(interval_s, HIDDEN_S)
@@ -140,14 +175,7 @@ def filter_joints(
         if state[j] < TRACKED and state[j] != NEW and settled:
             for c in range(3):
                 offset[j, c] = before[c] + moved[c] - found[j, c]
-        decay = math.exp(-interval_s / (REAPPEAR_TRUNK_S if _REAPPEARS_SLOWLY[j] else REAPPEAR_LIMB_S))
-        remaining = 0.0
-        for c in range(3):
-            offset[j, c] = offset[j, c] * decay
-            remaining = max(remaining, abs(offset[j, c]))
-        if remaining < NEGLIGIBLE_M:
-            for c in range(3):
-                offset[j, c] = 0.0
+        remaining_m = _decay(offset[j], REAPPEAR_TRUNK_S if _REAPPEARS_SLOWLY[j] else REAPPEAR_LIMB_S, interval_s)
 
         for c in range(3):
             here = found[j, c] + offset[j, c]
@@ -156,4 +184,4 @@ def filter_joints(
                 along = before[c] + common[c]
                 here = along + own_gain * _signal_share(here - along, OWN_M) * (here - along)
             joints[j, c] = here
-        state[j] = TRACKED if remaining < REAPPEARED_M else INFERRED
+        state[j] = TRACKED if remaining_m < REAPPEARED_M else INFERRED
