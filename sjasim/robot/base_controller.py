@@ -11,10 +11,10 @@ from collections import deque
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 
 from ..config import RobotConfig
 from ..core import Array, Move, MoveCommand, RobotState, WheelCommand
+from ..core.compiled import compiled_entry, compiled_inner
 from ..core.errors import ConfigError
 from .diff_drive import wheel_speeds
 from .odometry import OdometryColumn
@@ -140,7 +140,7 @@ class DriveColumn(IntEnum):
     """1 until the first control step of a command, which may change the heading; see `HEADING_REACH_RAD`."""
 
 
-@njit(cache=True)
+@compiled_entry
 def update_drive(estimate: Array, limits: Array, drive: Array) -> None:
     """Take one control step; see `BaseController`.
 
@@ -187,7 +187,7 @@ def update_drive(estimate: Array, limits: Array, drive: Array) -> None:
     drive[DriveColumn.RIGHT_WHEEL] = right
 
 
-@njit(cache=True)
+@compiled_inner
 def _stalls(estimate: Array, interval: float, drive: Array) -> bool:
     """Whether odometry shows too little of the motion that was commanded in the last interval."""
     speed = abs(drive[DriveColumn.SPEED])
@@ -198,7 +198,7 @@ def _stalls(estimate: Array, interval: float, drive: Array) -> bool:
     return bool(yaw_rate >= STALL_MIN_RAD_S and abs(estimate[OdometryColumn.YAW_RATE]) < STALL_SHARE * yaw_rate)
 
 
-@njit(cache=True)
+@compiled_inner
 def _target(estimate: Array, limits: Array, drive: Array) -> tuple[float, float]:
     """Speed [m/s] and yaw rate [rad/s] that the ramps approach."""
     activity = drive[DriveColumn.ACTIVITY]
@@ -223,7 +223,7 @@ def _target(estimate: Array, limits: Array, drive: Array) -> tuple[float, float]
     return speed, _clip(HEADING_GAIN_PER_S * off, HEADING_MAX_RAD_S)
 
 
-@njit(cache=True)
+@compiled_inner
 def _turn_rate(remaining: float, limits: Array, drive: Array) -> float:
     """Fastest yaw rate from which the base can still stop at the end of a turn; ends the turn when it is done."""
     if abs(remaining) < TURN_DONE_RAD and abs(drive[DriveColumn.YAW_RATE]) < TURN_DONE_RAD_S:
@@ -236,13 +236,13 @@ def _turn_rate(remaining: float, limits: Array, drive: Array) -> float:
     return math.copysign(min(limits[LimitColumn.TURN_RATE], braking, TURN_GAIN_PER_S * abs(remaining)), remaining)
 
 
-@njit(cache=True)
+@compiled_inner
 def _approach(value: float, target: float, step: float) -> float:
     """The value, moved towards a target by at most one step."""
     return min(target, value + step) if target > value else max(target, value - step)
 
 
-@njit(cache=True)
+@compiled_inner
 def _clip(value: float, limit: float) -> float:
     """The value within plus and minus a limit."""
     return min(max(value, -limit), limit)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from ..config import RobotConfig
 from ..core import WheelCommand
+from ..core.compiled import compiled_inner
 
 Pose = tuple[float, float, float]
 """x [m] and y [m] of the axle's middle, and heading [rad], counter-clockwise and never wrapped."""
@@ -38,7 +37,7 @@ def wheel_command(speed_m_s: float, yaw_rate_rad_s: float, config: RobotConfig) 
     return WheelCommand(left, right)
 
 
-@njit(cache=True)
+@compiled_inner
 def wheel_speeds(
     speed_m_s: float,
     yaw_rate_rad_s: float,
@@ -68,7 +67,7 @@ def body_rates(wheels: WheelCommand, config: RobotConfig) -> tuple[float, float]
     return (left + right) / 2, (right - left) / config.wheel_separation_m
 
 
-@njit(cache=True)
+@compiled_inner
 def advance_pose(pose: Pose, left_m: float, right_m: float, wheel_separation_m: float) -> Pose:
     """The pose after both wheels have rolled a distance at constant speeds, exact for any arc.
 

@@ -6,10 +6,10 @@ import math
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 
 from ..config import RobotConfig
 from ..core import Array, Kind, RobotState
+from ..core.compiled import compiled_entry, compiled_inner
 from .odometry import OdometryColumn
 
 MOVING_M_S = 0.002 * 50
@@ -60,7 +60,7 @@ class DetectorColumn(IntEnum):
     """Time of the last event [s]."""
 
 
-@njit(cache=True)
+@compiled_entry
 def detect_event(estimate: Array, detector: Array) -> int:
     """Number in `EVENTS` of the event that a sample confirms, 0 for none; see `RobotEventDetector`.
 
@@ -102,7 +102,7 @@ def detect_event(estimate: Array, detector: Array) -> int:
     return 0
 
 
-@njit(cache=True)
+@compiled_inner
 def _turn_begins(yaw_rate: float, detector: Array) -> bool:
     """Whether a turn begins with this sample; updates the state of the turn."""
     if -TURNING_RAD_S <= yaw_rate <= TURNING_RAD_S:
@@ -117,7 +117,7 @@ def _turn_begins(yaw_rate: float, detector: Array) -> bool:
     return begins
 
 
-@njit(cache=True)
+@compiled_inner
 def _count_samples(sign: float, t: float, detector: Array) -> None:
     """Update the counts of like samples and of samples against the present direction."""
     if sign != detector[DetectorColumn.SIGN]:

@@ -6,10 +6,10 @@ import math
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 
 from ..config import RobotConfig
 from ..core import Array, RobotState, WheelReading
+from ..core.compiled import compiled_entry
 from .diff_drive import Pose, advance_pose
 
 
@@ -51,7 +51,7 @@ _NOISE_BLOCK = 256
 """Number of noise values drawn at a time, which is cheaper than one by one."""
 
 
-@njit(cache=True)
+@compiled_entry
 def update_estimate(
     t_s: float, left_rad: float, right_rad: float, yaw_rate_rad_s: float, noise_rad_s: float, calibration: Array,
     estimate: Array,

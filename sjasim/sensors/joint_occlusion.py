@@ -5,11 +5,11 @@ from __future__ import annotations
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ..assets.names import JOINT_INDEX, JOINTS
 from ..core import INFERRED, NOT_TRACKED, TRACKED, Array, BoolArray, IntArray
+from ..core.compiled import compiled_entry, compiled_inner
 from .raycast.occlusion import PROJECTED_COLUMNS, mark_occluded, project_geoms
 
 
@@ -71,7 +71,7 @@ TORSO = np.array([JOINT_INDEX[name] for name in _TORSO_NAMES])
 """Joints of the torso. While any of them is visible, the person's occluded joints are known too."""
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_entry
 def observe_joints(
     true_joints: Array,
     geoms: IntArray,
@@ -117,7 +117,7 @@ def observe_joints(
         _add_errors(errors[p], in_view, visible[p], joints[p], state[p])
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_inner
 def _transform(points: Array, sensor: Array, local: Array, in_view: BoolArray) -> None:
     """Write world points in the sensor's frame, and which of them are in its field of view and range."""
     for j in range(len(points)):
@@ -134,7 +134,7 @@ def _transform(points: Array, sensor: Array, local: Array, in_view: BoolArray) -
         in_view[j] = in_width and in_height and in_range
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_inner
 def _update_errors(errors: Array, visible: BoolArray, noise: Array) -> None:
     """Advance one person's error states by a frame, in place."""
     for j in range(len(errors)):
@@ -145,7 +145,7 @@ def _update_errors(errors: Array, visible: BoolArray, noise: Array) -> None:
             errors[j, ErrorColumn.DRIFT + k] = kept + errors[j, ErrorColumn.INNOVATION] * noise[j, k]
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_inner
 def _add_errors(errors: Array, in_view: BoolArray, visible: BoolArray, joints: Array, state: NDArray[np.int8]) -> None:
     """Write one person's tracking states, and add the errors to the joints that are known."""
     torso_visible = False

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from numba import njit
 
 from ..assets.names import (
     ACTUATED,
@@ -21,6 +20,7 @@ from ..assets.names import (
 )
 from ..core import Array, IntArray
 from ..core.bodies import StateColumn
+from ..core.compiled import compiled_entry
 from ..humans.body.body_model import BodyModel
 
 LOGGED_JOINTS = [JOINT_INDEX[name] for name in ("AnkleLeft", "AnkleRight", "HandLeft", "HandRight")]
@@ -171,7 +171,7 @@ def _end_of_subtree(model: mujoco.MjModel, body: int) -> int:
     return end
 
 
-@njit(cache=True)
+@compiled_entry
 def read_dancer_states(
     qpos: Array,
     qvel: Array,

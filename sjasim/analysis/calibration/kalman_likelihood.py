@@ -12,9 +12,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ...core import Array, BoolArray, IntArray
+from ...core.compiled import compiled_entry, compiled_inner
 
 
 class Noise(NamedTuple):
@@ -35,7 +35,7 @@ class Noise(NamedTuple):
     correlation: float
 
 
-@njit(cache=True)
+@compiled_inner
 def _gains(
     present: BoolArray, transition: Array, timekeeper: Array, first: Array, motor: Array, common: float, rho: float
 ) -> tuple[Array, Array]:
@@ -88,7 +88,7 @@ def _gains(
     return gains, variances
 
 
-@njit(cache=True)
+@compiled_inner
 def _squared_distance(
     times: Array, present: BoolArray, gains: Array, variances: Array, transition: Array, rho: float
 ) -> float:
@@ -117,7 +117,7 @@ def _squared_distance(
     return total
 
 
-@njit(cache=True)
+@compiled_entry
 def _evaluate(
     times: Array, pattern: IntArray, patterns: BoolArray, transition: Array, timekeeper: Array, first: Array,
     motor: Array, common: float, rho: float,
@@ -149,7 +149,7 @@ def _evaluate(
     return distance, log_det
 
 
-@njit(cache=True)
+@compiled_entry
 def log_mixture(distance: Array, counts: IntArray, log_scale: Array, log_weight: Array) -> Array:
     """(N,) log densities of sequences whose noise has a random scale, without determinants and constants.
 

@@ -12,9 +12,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ...core import Array, IntArray
+from ...core.compiled import compiled_entry, compiled_inner
 from .anatomy import Chains
 from .kinematics import place_segments
 
@@ -40,7 +40,7 @@ class PlacedChains(NamedTuple):
     points: Array
 
 
-@njit(cache=True)
+@compiled_entry
 def _place(
     q: Array, pelvis: Array, yaw: Array, parent: IntArray, offset: Array, hinge_segment: IntArray,
     hinge_column: IntArray, hinge_axis: IntArray, hinge_sign: Array, point_segment: IntArray, point_offset: Array,
@@ -75,7 +75,7 @@ def _place(
     return origins, axes, points
 
 
-@njit(cache=True)
+@compiled_entry
 def _accelerations(points: Array, dt_s: float, stride: int) -> Array:
     """(T, P, 3) smoothed second differences over ``stride`` ticks; near both ends the points count as resting."""
     ticks = len(points)
@@ -99,7 +99,7 @@ def _accelerations(points: Array, dt_s: float, stride: int) -> Array:
     return out
 
 
-@njit(cache=True)
+@compiled_inner
 def _add_force(
     force: Array, moment: Array, s: int, px: float, py: float, pz: float, x: float, y: float, z: float
 ) -> None:
@@ -112,7 +112,7 @@ def _add_force(
     moment[s, 2] += px * y - py * x
 
 
-@njit(cache=True)
+@compiled_inner
 def _parent_wrenches(
     points: Array, accelerations: Array, mass: Array, point_segment: IntArray, parent: IntArray, feet: IntArray,
     ankles: Array, weight: float, force: Array, moment: Array,
@@ -158,7 +158,7 @@ def _parent_wrenches(
             moment[parent[s], k] += moment[s, k]
 
 
-@njit(cache=True)
+@compiled_entry
 def _hinge_torques(
     origins: Array, axes: Array, points: Array, accelerations: Array, mass: Array, point_segment: IntArray,
     parent: IntArray, feet: IntArray, hinge_segment: IntArray, hinge_column: IntArray, ankles: Array, weight: Array,

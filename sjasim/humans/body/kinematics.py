@@ -10,16 +10,16 @@ from __future__ import annotations
 from math import acos, asin, atan2, cos, sin, sqrt
 
 import numpy as np
-from numba import njit
 
 from ...core import Array, IntArray
+from ...core.compiled import compiled_entry, compiled_inner
 from .anatomy import Chains
 
 KNEE_MARGIN_M = 0.002
 """A leg is never stretched nearer than this to its full length, where its inverse kinematics is singular [m]."""
 
 
-@njit(cache=True)
+@compiled_inner
 def _rotate(R: Array, axis: int, angle: float) -> None:
     """Right-multiply a rotation matrix (3, 3), in place, by a rotation about one of its own axes."""
     c = cos(angle)
@@ -34,7 +34,7 @@ def _rotate(R: Array, axis: int, angle: float) -> None:
         R[k, b] = c * v - s * u
 
 
-@njit(cache=True)
+@compiled_entry
 def place_segments(
     q: Array, yaw: float, parent: IntArray, offset: Array, hinge_segment: IntArray, hinge_column: IntArray,
     hinge_axis: IntArray, hinge_sign: Array, rotation: Array, origin: Array, axes: Array,
@@ -84,7 +84,7 @@ def place_segments(
             j += 1
 
 
-@njit(cache=True)
+@compiled_entry
 def _com_offsets(
     q: Array, yaw: Array, parent: IntArray, offset: Array, mass: Array, centre: Array, hinge_segment: IntArray,
     hinge_column: IntArray, hinge_axis: IntArray, hinge_sign: Array,
@@ -132,7 +132,7 @@ def com_offsets(chains: Chains, q: Array, yaw: Array) -> Array:
     )
 
 
-@njit(cache=True)
+@compiled_inner
 def _leg_angles(
     hip: Array, yaw: float, ankle: Array, foot_yaw: float, thigh: float, shank: float, R: Array, out: Array
 ) -> None:
@@ -181,7 +181,7 @@ def _leg_angles(
     out[5] = ankle_x
 
 
-@njit(cache=True)
+@compiled_entry
 def leg_angles(
     pelvis: Array, yaw: Array, ankles: Array, foot_yaw: Array, leg: Array, q: Array, columns: IntArray
 ) -> None:

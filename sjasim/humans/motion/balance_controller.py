@@ -15,11 +15,11 @@ from enum import IntEnum
 from math import cos, exp, sin
 
 import numpy as np
-from numba import njit
 
 from ...assets.names import ACTUATED_INDEX, LEG_JOINTS
 from ...core import Array, IntArray, Servos
 from ...core.bodies import StateColumn
+from ...core.compiled import compiled_entry, compiled_inner
 from .reference_trajectory import PlanColumn, ReferenceTrajectory
 
 HINGES = 25
@@ -121,7 +121,7 @@ class BalanceGains:
     effort: float = 1.0
 
 
-@njit(cache=True)
+@compiled_inner
 def _heading_frame(yaw: float, x: float, y: float) -> tuple[float, float]:
     """Forward and left component of a horizontal vector, for a heading."""
     c = cos(yaw)
@@ -129,12 +129,12 @@ def _heading_frame(yaw: float, x: float, y: float) -> tuple[float, float]:
     return c * x + s * y, c * y - s * x
 
 
-@njit(cache=True)
+@compiled_inner
 def _clip(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)
 
 
-@njit(cache=True)
+@compiled_inner
 def _write_feedforward(
     d: int, i: int, a: int, b: int, rate: float, plan: Array, actuators: Array, gains: Array, targets: Array
 ) -> None:
@@ -164,7 +164,7 @@ def _write_feedforward(
         targets[d, HINGES + k] = plan[d, i, column] + rise
 
 
-@njit(cache=True)
+@compiled_inner
 def _balance_stance(
     d: int, side: int, share: float, push: tuple[float, float], yaw_error: float, states: Array, actuators: Array,
     gains: Array, targets: Array,
@@ -189,7 +189,7 @@ def _balance_stance(
     targets[d, hip_z] += share * gains[GainColumn.YAW] * yaw_error * 0.5
 
 
-@njit(cache=True)
+@compiled_inner
 def _shift_foothold(
     d: int, side: int, landing: float, omega: float, error: tuple[float, float], drift: tuple[float, float],
     yaw_error: float, gains: Array, foot_shift: Array,
@@ -208,7 +208,7 @@ def _shift_foothold(
     foot_shift[d, side, 2] = -gains[GainColumn.YAW] * yaw_error
 
 
-@njit(cache=True)
+@compiled_inner
 def _apply_foot_shift(d: int, side: int, foot_shift: Array, length: float, targets: Array) -> None:
     """Turn a leg so that its foot moves by a small shift while the sole stays flat."""
     along = foot_shift[d, side, 0] / length
@@ -221,7 +221,7 @@ def _apply_foot_shift(d: int, side: int, foot_shift: Array, length: float, targe
     targets[d, _LEGS[side, LegJoint.HIP_Z]] += foot_shift[d, side, 2]
 
 
-@njit(cache=True)
+@compiled_inner
 def _errors(
     d: int, i: int, omega: float, plan: Array, states: Array
 ) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -248,7 +248,7 @@ def _errors(
     return error, drift
 
 
-@njit(cache=True)
+@compiled_inner
 def _correct_dancer(
     d: int, tick: int, planned_rows: int, rate: float, plan: Array, states: Array, actuators: Array, gains: Array,
     foot_shift: Array, targets: Array,
@@ -291,7 +291,7 @@ def _correct_dancer(
         _apply_foot_shift(d, side, foot_shift, actuators[d, ActuatorColumn.LEG], targets)
 
 
-@njit(cache=True)
+@compiled_entry
 def correct(
     tick: int, rate: float, planned_rows: IntArray, plan: Array, states: Array, actuators: Array, gains: Array,
     foot_shift: Array, targets: Array,

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from ...core import Array
+from ...core.compiled import compiled_entry
 from .reference_trajectory import ReferenceTrajectory
 from .speed_profile import SpeedProfile, minimum_jerk
 
@@ -197,7 +197,7 @@ class FootTrajectories:
         return np.asarray(weight[:, None] * soles[:, 0] + (1.0 - weight[:, None]) * soles[:, 1])
 
 
-@njit(cache=True)
+@compiled_entry
 def _standing_share(landing: Array) -> Array:
     """(T,) 0 while the left foot swings, 1 while the right one does, else 0.5; from times until landing (T, 2) [s]."""
     out = np.empty(len(landing))
@@ -212,7 +212,7 @@ def smoothing_kernel(reach_s: float, dt_s: float) -> Array:
     return np.asarray(kernel / kernel.sum())
 
 
-@njit(cache=True)
+@compiled_entry
 def smoothed(raw: Array, kernel: Array) -> Array:
     """(T,) signal convolved with a symmetric kernel; beyond its ends it continues with its first and last value."""
     out = np.zeros_like(raw)
@@ -225,7 +225,7 @@ def smoothed(raw: Array, kernel: Array) -> Array:
     return out
 
 
-@njit(cache=True)
+@compiled_entry
 def pelvis_height(pelvis: Array, yaw: Array, ankles: Array, leg: Array, standing_m: float, kernel: Array) -> Array:
     """(T,) height of the pelvis: that of standing, smoothly lowered where a leg could not reach its ankle [m].
 

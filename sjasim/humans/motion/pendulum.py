@@ -6,12 +6,12 @@ Source: englsberger2015, section III (divergent component of motion).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from ...core import Array
+from ...core.compiled import compiled_entry
 
 
-@njit(cache=True)
+@compiled_entry
 def bounded_com(zmp: Array, omega_dt: float, first: Array) -> Array:
     """(T, 2) motion of the centre of mass that stays bounded over a path of the zero-moment point [m].
 
@@ -40,7 +40,7 @@ def bounded_com(zmp: Array, omega_dt: float, first: Array) -> Array:
     return com
 
 
-@njit(cache=True)
+@compiled_entry
 def write_divergent_component(com: Array, dt_s: float, omega: float, out: Array) -> None:
     """Write the divergent component of motion, com + velocity / omega.
 

@@ -13,10 +13,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numba import njit
 
 from ...assets.names import ACTUATED_INDEX, ARM_JOINTS, LEG_JOINTS
 from ...core import Array, Cue, Move
+from ...core.compiled import compiled_entry
 from ...core.errors import ConfigError
 from ..body.anatomy import Anatomy
 from ..body.inverse_dynamics import GRAVITY, hinge_torques, place_chains
@@ -79,7 +79,7 @@ PENDULUM_HEIGHT = 1.04
 """Height of the centre of mass, as a share of the standing pelvis' height."""
 
 
-@njit(cache=True)
+@compiled_entry
 def _place_pelvis(path: Array, axis: Array, free: Array, com: Array, offset: Array, lean: float, pelvis: Array) -> None:
     """Write the pelvis' place on the floor: along the heading on its path, across it under the centre of mass.
 
@@ -314,8 +314,9 @@ class Planner:
         """Compute centre of mass, pelvis, joints and torques from a row on, to the last that is planned."""
         r = self._reference
         span = slice(first, int(r.planned_rows[0]))
-        yaw = r.yaw[span]
-        ankles = r.ankles[span]
+        # Copies are contiguous. Views of the trajectory are not, and compiled functions would be compiled for them too.
+        yaw = r.yaw[span].copy()
+        ankles = r.ankles[span].copy()
         weight = self._feet.weight(span)
 
         zmp = self._feet.zero_moment_point(span, weight, self._sole_m)
@@ -333,7 +334,9 @@ class Planner:
     def _postures(self, span: slice, com: Array) -> tuple[Array, Array]:
         """Pelvis (T, 3) [m] and joints (T, 25) [rad] that carry a motion of the centre of mass (T, 2) [m]."""
         r = self._reference
-        yaw = r.yaw[span]
+        yaw = r.yaw[span].copy()
+        ankles = r.ankles[span].copy()
+        foot_yaw = r.foot_yaw[span].copy()
         axis = np.stack([np.cos(self._axis[span]), np.sin(self._axis[span])], axis=1)
         joints = np.zeros((len(yaw), 25))
         joints[:, ARM_COLUMNS] = self._arms[span]
@@ -345,9 +348,9 @@ class Planner:
         for final in (False, True):
             _place_pelvis(self._path[span], axis, self._free[span], com, offset, self._lean, pelvis)
             pelvis[:, 2] = footsteps.pelvis_height(
-                pelvis, yaw, r.ankles[span], self._chains.leg, self._anatomy.standing_m, self._kernel
+                pelvis, yaw, ankles, self._chains.leg, self._anatomy.standing_m, self._kernel
             )
-            leg_angles(pelvis, yaw, r.ankles[span], r.foot_yaw[span], self._chains.leg, joints, LEG_COLUMNS)
+            leg_angles(pelvis, yaw, ankles, foot_yaw, self._chains.leg, joints, LEG_COLUMNS)
             if not final:
                 offset = com_offsets(self._chains, joints, yaw)
 
