@@ -109,6 +109,7 @@ def detector_quality(logged: Sequence[Event], true: Sequence[AgentEvent]) -> Det
     errors: list[Array] = []
     recalled = 0
 
+    # An event matches only one of the same dancer and kind.
     for agent, kind in sorted({(event.agent, event.kind) for event in true}):
         true_events = [event for event in true if (event.agent, event.kind) == (agent, kind)]
         logged_s = np.array([event.t_s for event in regular if (event.person, event.kind) == (agent, kind)])
@@ -227,6 +228,7 @@ def execution_delays(
         events: the robot's logged events.
         timetable: gives the steps that the commands are for.
     """
+    # In reverse, so that the first transmission of a number replaces its repetitions.
     first_sent = list({command.number: command for command in reversed(commands)}.values())
     steps = timetable.choreography.steps()
 
@@ -260,6 +262,7 @@ def body_quality(truth: Mapping[str, NDArray[np.generic]]) -> BodyQuality:
     for index in np.unique(columns["dancer"]):
         of_dancer = columns["dancer"] == index
         load_shares.append(columns["load_n"][of_dancer].sum() / columns["weight_n"][of_dancer].sum())
+        # The column is 1 from a fall on; each rise of it is one fall.
         falls += int((np.diff(columns["fallen"][of_dancer], prepend=0.0) > 0).sum())
 
     return BodyQuality(float(np.sqrt(squared_force.mean())), float(min(load_shares)), falls)

@@ -108,6 +108,8 @@ def _timing(rows: Sequence[GroupSynchronyRow], table: Timetable) -> tuple[tuple[
 
 def _evidence(log: SessionLog, config: SessionConfig, sent_s: Array) -> _Evidence:
     """Index the log by step."""
+    # Commands are indexed in reverse, so that the first one for a step replaces its repetitions; of decisions, the last
+    # one for a step is kept.
     return _Evidence(
         events=log.events,
         sent_s=sent_s,
@@ -193,6 +195,7 @@ def _parts(evidence: _Evidence, key: StepKey, onsets_s: Array, mean_s: float) ->
 
 def _answered_event(events: Sequence[Event], decision: Decision, command: MoveCommand) -> int | None:
     """Index of the newest event of the followed dancer that had arrived when the command was sent."""
+    # A method may send a command at the very time at which the event arrives.
     known = [
         row
         for row, event in enumerate(events)

@@ -80,6 +80,7 @@ def group_metrics(
         if iteration >= 1:
             follows = _followed_in(followed, iteration)
             rows.append(_measure_iteration(series, config, timetable, iteration, msp, follows))
+        # An iteration without events has no most synchronous person, and leaves the earlier one.
         if any(len(kinds) for _, kinds in dancers_series.values()):
             previous_msp = msp
 

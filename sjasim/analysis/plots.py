@@ -152,6 +152,7 @@ def timing(values_s: Sequence[float]) -> Figure:
     """
     figure = _figure(9.0, 3.6)
     left, right = figure.subplots(1, 2)
+    # The axis ends at a multiple of the bins' width, and at 2 s at least, so that figures of sessions can be compared.
     top = max(2.0, float(np.ceil(max(values_s) * 5) / 5))
 
     left.hist(values_s, bins=np.arange(0.0, top + 0.2, 0.2), color="#0072B2", edgecolor="white")

@@ -96,6 +96,7 @@ def _rows(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
 
 def _csv_rows(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
     """Yield the rows of a CSV file; the header is line 1."""
+    # Excel writes a byte-order mark, which utf-8-sig removes.
     with path.open(newline="", encoding="utf-8-sig") as file:
         delimiter = separator(file.readline())
         file.seek(0)

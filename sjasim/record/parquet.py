@@ -133,6 +133,7 @@ def read_columns(path: Path, table: str) -> dict[str, NDArray[Any]]:
         _require_columns(path, table, stored, COLUMN_TABLES[table])
 
     columns = {name: column.to_numpy() for name, column in zip(stored.column_names, stored.columns, strict=True)}
+    # A log is immutable, and so are its arrays.
     for column in columns.values():
         column.flags.writeable = False
     return columns

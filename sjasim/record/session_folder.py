@@ -58,6 +58,7 @@ def write(
         (draft / "session.json").write_text(text + "\n", encoding="utf-8")
 
         if recording:
+            # rerun takes long to import, and is not needed for tables.
             from .rerun.recording import save
 
             save(log, draft / "session.rrd", report)

@@ -1,4 +1,4 @@
-"""Measures of movement on motions whose answer is known."""
+"""Measures of motion, on motions whose values are known."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def cue(move: Move = Move.FORWARD, t_s: float = 2.0, duration_s: float = 2.0) ->
 
 
 def ramps(begin_s: float, end_s: float, sign: float = 1.0) -> np.ndarray:
-    """Roots that go along y, heading +y, at up to .4 m/s with slopes of 1 m/s^2."""
+    """Roots that move along y with heading +y, at up to 0.4 m/s with ramps of 1 m/s^2."""
     speed = np.clip(np.minimum(T_S - begin_s, end_s - T_S), 0.0, 0.4)
     roots = np.zeros((len(T_S), 6))
     roots[:, 1] = sign * np.cumsum(speed) * 0.02
@@ -26,7 +26,7 @@ def ramps(begin_s: float, end_s: float, sign: float = 1.0) -> np.ndarray:
 
 @pytest.mark.parametrize(("move", "sign"), [(Move.FORWARD, 1.0), (Move.BACKWARD, -1.0)])
 def test_a_late_start_and_an_early_stop_are_measured(move, sign):
-    roots = ramps(1.95, 4.05, sign)  # passes .10 m/s at 2.05 and 3.95 s
+    roots = ramps(1.95, 4.05, sign)  # crosses 0.10 m/s at 2.05 and 3.95 s
     (start, late), (stop, early) = timing_errors(T_S, roots, np.ones(len(T_S)), [cue(move)])
     assert (start.value, stop.value) == (f"start_{move.value}", f"stop_{move.value}")
     assert (late, early) == pytest.approx((0.05, -0.05), abs=0.02)
@@ -39,17 +39,17 @@ def test_a_clap_is_the_hands_closest_approach():
     assert late == pytest.approx(0.03, abs=0.011)
 
 
-def test_what_never_came_is_nan():
+def test_an_absent_event_is_nan():
     errors = timing_errors(T_S, ramps(9.0, 9.0), np.ones(len(T_S)), [cue()])
     assert np.isnan([error for _, error in errors]).all()
     assert np.isnan(rise_times(T_S, ramps(9.0, 9.0), [cue()])).all()
 
 
-def test_a_rise_of_a_fifth_of_a_metre_per_second_at_1_m_s2_takes_a_fifth_of_a_second():
+def test_a_rise_by_0_2_m_s_at_1_m_s2_takes_0_2_s():
     assert rise_times(T_S, ramps(1.9, 4.1), [cue(), cue(Move.CLAP, 6.0, 0.0)]) == pytest.approx([0.2], abs=0.01)
 
 
-def test_a_slip_is_the_farthest_a_standing_foot_strays():
+def test_a_slip_is_the_largest_distance_of_a_standing_foot():
     landing = np.zeros((len(T_S), 2))
     landing[(T_S > 1.0) & (T_S < 1.5), 0] = 0.1
     landing[(T_S > 4.0) & (T_S < 4.5), 0] = 0.1

@@ -1,4 +1,4 @@
-"""Figures are drawn for every kind of session, and none is lost."""
+"""Figures are drawn for every kind of session, and existing ones are not overwritten unasked."""
 
 import pytest
 
@@ -15,7 +15,7 @@ def log(make_session_log):
     return make_session_log(iterations=2, joints=False)
 
 
-def test_every_figure_is_written_once(log, tmp_path):
+def test_every_figure_is_written_and_protected(log, tmp_path):
     found = delay_report(log)
     paths = plots.save_plots(log, found, tmp_path / "plots")
     assert {path.name for path in paths} == set(plots.FILES)
@@ -25,7 +25,7 @@ def test_every_figure_is_written_once(log, tmp_path):
     plots.check_plots(tmp_path / "plots", overwrite=True)
 
 
-def test_humans_only_has_no_timing(make_session_log, tmp_path):
+def test_a_humans_only_session_has_no_figures_of_the_robot(make_session_log, tmp_path):
     log = make_session_log(method="none", robot=False, iterations=1, joints=False)
     paths = plots.save_plots(log, delay_report(log), tmp_path)
     assert {path.name for path in paths} == {"raster.png", "graph.png"}

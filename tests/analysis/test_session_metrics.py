@@ -1,4 +1,4 @@
-"""Measures of sessions whose errors are known beforehand."""
+"""Measures of sessions whose errors are known."""
 
 import dataclasses
 import json
@@ -22,7 +22,7 @@ def result(log):
     return measures(log)
 
 
-def test_known_errors_come_out(result):
+def test_known_errors_are_measured(result):
     assert result.detector.recall == result.detector.precision == 1.0
     assert result.detector.timing_bias_s == pytest.approx(DETECTION_S + CLOCK_ERROR_S, abs=0.005)
     for clock in result.clocks.values():
@@ -36,7 +36,7 @@ def test_known_errors_come_out(result):
     assert abs(result.robot.end_heading_rad) < 0.01
 
 
-def test_sia_follows_the_last_most_synchronous_person(result):
+def test_net_latencies_are_those_behind_the_followed_dancer(result):
     assert [(row.human_events, row.robot_events) for row in result.iterations] == [(27, 9)] * 3
     assert sum(latency.n for latency in result.net_latency_s.values()) == 2 * 9
     assert {row.msp for row in result.iterations} == {"dancer_1"}
@@ -53,6 +53,17 @@ def test_both_edge_rules_and_perfect_synchrony(make_session_log):
     assert sia.gsi_full_edges == pytest.approx(1.0)
 
 
+def test_the_index_from_true_onsets_has_all_edges(make_session_log):
+    log = make_session_log(method="sia", spread_s=0.0, joints=False)
+    # The robot's true onsets coincide with the dancers', so that all pairs are synchronous.
+    odometry = {**log.odometry, "t_s": log.odometry["t_s"] - DETECTION_S - ROBOT_LAG_S}
+    result = measures(dataclasses.replace(log, odometry=odometry))
+
+    assert [row.gsi_truth for row in result.iterations] == pytest.approx([1.0, 1.0])
+    assert result.gsi_truth == pytest.approx(1.0)
+    assert [row.gsi for row in result.iterations] == pytest.approx([9 / 12, 10 / 12])
+
+
 def test_timing_appropriateness_is_the_robots_distance_from_the_dancers_mean(make_session_log):
     result = measures(make_session_log(spread_s=0.0, joints=False))
     assert result.ta_mean_s == pytest.approx(ROBOT_LAG_S - CLOCK_ERROR_S)
@@ -60,7 +71,7 @@ def test_timing_appropriateness_is_the_robots_distance_from_the_dancers_mean(mak
     assert result.ta_truth_mean_s == pytest.approx(ROBOT_LAG_S + DETECTION_S, abs=0.02)
 
 
-def test_humans_only(make_session_log):
+def test_measures_of_a_robot_are_nan_in_a_humans_only_session(make_session_log):
     result = measures(make_session_log(method="none", robot=False, joints=False))
     assert result.ta_s == ()
     assert np.isnan(result.ta_mean_s)
@@ -70,11 +81,11 @@ def test_humans_only(make_session_log):
     assert plain["robot"]["end_distance_m"] is None
 
 
-def test_what_is_missing_and_what_is_invented_shows(log):
+def test_missing_and_false_events_are_counted(log):
     events = tuple(e for e in log.events if not (e.person == "dancer_2" and e.kind is Kind.CLAP))
-    invented = dataclasses.replace(log.events[0], t_s=log.events[0].t_s + 1.0)
+    false = dataclasses.replace(log.events[0], t_s=log.events[0].t_s + 1.0)
     robot = tuple(e for e in log.robot_events if not (e.iteration == 2 and e.kind is Kind.START_BACKWARD))
-    result = measures(dataclasses.replace(log, events=(*events, invented), robot_events=robot))
+    result = measures(dataclasses.replace(log, events=(*events, false), robot_events=robot))
     true = 3 * 4 * 9
     assert result.detector.recall == pytest.approx((true - 4) / true)
     assert result.detector.precision == pytest.approx((true - 4) / (true - 3))
@@ -91,7 +102,7 @@ def test_invisible_events_do_not_count_against_recall(log):
     )
     result = measures(dataclasses.replace(log, truth=truth, events=log.events[1:]))
     assert result.detector.recall == 1.0
-    assert result.detector.visible == result.detector.true - 2  # who is not seen to start is not seen to stop
+    assert result.detector.visible == result.detector.true - 2  # the stop of an invisible start is invisible too
 
 
 def test_falls_are_counted_once(log):
@@ -99,10 +110,10 @@ def test_falls_are_counted_once(log):
     assert measures(dataclasses.replace(log, truth={**log.truth, "fallen": fallen})).bodies.falls == 1
 
 
-def test_an_empty_log_is_measured_too(make_session_log):
-    bare = make_session_log(iterations=1, joints=False)
+def test_an_empty_log_has_measures(make_session_log):
+    log = make_session_log(iterations=1, joints=False)
     empty = dataclasses.replace(
-        bare, events=(), robot_events=(), commands=(), cues=(), device_events=(), truth={}, odometry={}
+        log, events=(), robot_events=(), commands=(), cues=(), device_events=(), truth={}, odometry={}
     )
     result = measures(empty)
     assert result.gsi == 0.0
@@ -110,7 +121,7 @@ def test_an_empty_log_is_measured_too(make_session_log):
     assert result.iterations[0].robot_missed == 9
 
 
-def test_the_json_has_the_public_keys_and_no_nan(result):
+def test_session_json_has_the_documented_keys_and_no_nan(result):
     text = json.dumps(result.as_dict(), allow_nan=False)
     plain = json.loads(text)
     public = {

@@ -28,7 +28,8 @@ def written(log, tmp_path_factory):
 def assert_equal(a, b):
     """Compare two logs, arrays and their types included; joints are in no table."""
     for field in dataclasses.fields(a):
-        x, y = getattr(a, field.name), getattr(b, field.name)
+        x = getattr(a, field.name)
+        y = getattr(b, field.name)
         if field.name in COLUMN_TABLES:
             assert list(x) == list(y)
             for name in x:

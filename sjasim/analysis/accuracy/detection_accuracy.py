@@ -228,6 +228,7 @@ class _Visibility:
     def _band(self, t_s: float, kind: Kind) -> str:
         times = self._own["t_s"]
         near = (times >= t_s - VISIBILITY_WINDOW_S) & (times <= t_s + VISIBILITY_WINDOW_S)
+        # The share is NaN without an active sensor.
         share = np.nan_to_num(self._own["hands_seen" if kind is Kind.CLAP else "spine_seen"][near])
         if share.size and share.min() >= 1.0:
             return BANDS[0]

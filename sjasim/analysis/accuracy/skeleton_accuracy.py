@@ -207,6 +207,7 @@ def _gather(observations: Sequence[JointObservation], group: str, row: str, band
         cell["state"].append(state.astype(np.float64))
         cell["distance_m"].append(np.sqrt((tracked**2).sum(axis=1)))
         cell["inferred_m"].append(error[state == INFERRED].ravel())
+        # In few frames, the slow error does not average out of the mean.
         if len(tracked) >= LEAST_FRAMES:
             mean = tracked.mean(axis=0)
             cell["mean_m"].append(mean)

@@ -191,6 +191,7 @@ class PhaseFilter:
         patterns, pattern = np.unique(present, axis=0, return_inverse=True)
         self._patterns = patterns
         self._pattern = pattern.reshape(-1)
+        # The filter skips missing events by their pattern; a NaN would spread through its arithmetic.
         self._times = np.where(present, times_s, 0.0)
         self.counts: IntArray = present.sum(axis=(1, 2))
         """(N,) number of events in each sequence."""

@@ -60,6 +60,7 @@ def confidence_intervals(cost: Cost, at: Array, bounds: Bounds, events: int) -> 
         events: number of events, as in `minimise`.
     """
     values, vectors = np.linalg.eigh(_curvature(cost, at))
+    # On a bound or in a flat valley, the curvature is not positive in every direction.
     if values.min() > 1e-6 * values.max():
         half_width = Z_95 * np.sqrt((vectors**2) @ (1.0 / values))
         return np.stack([at - half_width, at + half_width], axis=1)

@@ -221,6 +221,7 @@ def _warnings(fit: TimingFit, likelihood: TimingLikelihood, vector: Array, inter
 
     if (likelihood.matrix or likelihood.each) and len(set(likelihood.trials.session.tolist())) == 1:
         found.append("one session is too little to tell people apart: give several of the same people")
+    # The property raises if no group could dance with the parameters.
     try:
         _ = fit.parameters
     except FitError as error:

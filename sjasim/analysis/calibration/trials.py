@@ -147,6 +147,7 @@ def _casts(trials: Trials) -> dict[str, list[str]]:
     for (session, _), trial in trials.items():
         found[session] |= trial.keys()
 
+    # If one session has everybody, dancers of the other sessions are the same people with absences.
     everybody = set().union(*found.values())
     largest = max((len(cast) for cast in found.values()), default=0)
     if len(everybody) == largest:

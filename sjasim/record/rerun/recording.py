@@ -74,6 +74,7 @@ def save_all(sessions: Mapping[str, tuple[SessionLog, DelayReport | None]], path
                 recorder.finish(report)
         stream.flush()
     except RuntimeError as error:
+        # rerun has no exception of its own for a file that it cannot write.
         raise RecordError(f"{path.name} cannot be written ({error}): is the disk full?") from None
     finally:
         stream.disconnect()

@@ -120,5 +120,6 @@ def _batch_points(batch: Any, rate_hz: int) -> Iterator[_FramePoints]:
 
     for row, t_ns in enumerate(times_ns):
         part = slice(row_ends[row - 1] if row else 0, row_ends[row])
+        # Times of frames are rounded to nanoseconds.
         frame = round(t_ns * 1e-9 * rate_hz)
         yield _FramePoints(frame, flat_positions[part], None if joints is None else joints[part])

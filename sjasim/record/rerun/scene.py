@@ -234,6 +234,7 @@ def _send_body(stream: EntityStream, log: SessionLog, config: SessionConfig, ind
     entity = f"world/{dancer_name(index)}"
     times = np.arange(len(log.joints)) / config.sensors.rate_hz
 
+    # Positions are sent as one flat list; `partition` says how many of them belong to each time.
     true = rr.Points3D.columns(positions=log.joints[rows, index].reshape(-1, 3))
     stream.send_columns(f"{entity}/true", times[rows], true.partition([len(JOINTS)] * len(rows)))
 

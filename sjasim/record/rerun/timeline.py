@@ -171,6 +171,7 @@ def _send_lane(stream: EntityStream, name: str, marks: Iterable[Mark], span: Spa
         times.append(begin_s)
         states.append(state)
         next_begin_s = inside[index + 1][0] if index + 1 < len(inside) else np.inf
+        # A mark that ends where the next one begins needs no end: states replace one another.
         if end_s < next_begin_s - 1e-6:
             times.append(end_s)
             states.append(NO_STATE)

@@ -95,7 +95,7 @@ def quaternion(rotation: Array) -> dict[str, float]:
     Each component's size follows from the diagonal, and its sign from the opposite elements; rounding may make a square
     slightly negative.
     """
-    xx, yy, zz = rotation[0, 0], rotation[1, 1], rotation[2, 2]
+    xx, yy, zz = np.diag(rotation)
     w = math.sqrt(max(0.0, 1.0 + xx + yy + zz)) / 2
     x = math.copysign(math.sqrt(max(0.0, 1.0 + xx - yy - zz)) / 2, rotation[2, 1] - rotation[1, 2])
     y = math.copysign(math.sqrt(max(0.0, 1.0 - xx + yy - zz)) / 2, rotation[0, 2] - rotation[2, 0])
@@ -128,6 +128,7 @@ def _robot_messages(log: SessionLog) -> Iterator[Message]:
         for topic, prefix in (("/odom", ""), ("/truth/odom", "true_")):
             x, y, heading = (float(table[f"{prefix}{name}"][row]) for name in ("x_m", "y_m", "heading_rad"))
             pose = {"position": _vector(x, y), "orientation": _yaw_quaternion(heading)}
+            # In ROS, a covariance of zeros means that it is unknown.
             content = {
                 "header": header, "child_frame_id": BASE_FRAME, "pose": {"pose": pose, "covariance": [0.0] * 36},
                 "twist": {"twist": twist, "covariance": [0.0] * 36},

@@ -1,4 +1,4 @@
-"""Figures of joints, on made-up observations whose errors are known."""
+"""Accuracy of joints, on observations whose errors are known."""
 
 import numpy as np
 import pytest
@@ -10,8 +10,8 @@ from sjasim.core import INFERRED, NOT_TRACKED, TRACKED
 FRAMES = 4000
 
 
-def sighting(bias_m=0.02, drift_m=0.01, correlation=0.95, row=0, trunk=0):
-    """Everybody tracked, errors of a known constant and an autoregression; the hands are hidden."""
+def observation(bias_m=0.02, drift_m=0.01, correlation=0.95, row=0, trunk=0):
+    """All joints tracked, with a constant error and an autoregressive one; the hands are hidden."""
     rng = np.random.default_rng(7)
     drift = np.zeros((FRAMES, 25, 3))
     drift[0] = rng.standard_normal((25, 3))
@@ -29,16 +29,17 @@ def test_every_joint_belongs_to_one_group():
     assert sum(group.astype(int) for group in GROUPS.values()).tolist() == [1] * 25
 
 
-def test_constant_and_slow_error_are_told_apart():
-    found = joint_figures([sighting()])
+def test_constant_and_slow_errors_are_separated():
+    found = joint_figures([observation()])
     assert found["bias_m"] == pytest.approx(0.02, rel=0.1)
     assert found["drift_m"] == pytest.approx(0.01, rel=0.1)
     assert found["correlation"] == pytest.approx(0.95, abs=0.005)
     assert (found["n"], found["tracked"], found["inferred"], found["inferred_m"]) == (25 * FRAMES, 1.0, 0.0, None)
 
 
-def test_the_share_astray_is_of_tracked_joints():
-    one, head = sighting(0.0, 0.0), JOINT_INDEX["Head"]
+def test_the_share_of_outliers_is_that_of_tracked_joints():
+    one = observation(0.0, 0.0)
+    head = JOINT_INDEX["Head"]
     one.error_m[:, head] = [2.0 * OUTLIER_M, 0.0, 0.0]
     one.state[: FRAMES // 2, head] = INFERRED
     one.state[FRAMES // 2 : FRAMES * 3 // 4, JOINT_INDEX["Neck"]] = NOT_TRACKED
@@ -49,8 +50,8 @@ def test_the_share_astray_is_of_tracked_joints():
     assert found["inferred_m"] == pytest.approx(2.0 * OUTLIER_M / np.sqrt(3.0))
 
 
-def test_rows_and_bands_sum_up_and_arms_go_by_the_hands():
-    rows = joint_rows([sighting(), sighting(row=1, trunk=1)])
+def test_rows_and_bands_add_up_and_arms_use_the_visibility_of_the_hands():
+    rows = joint_rows([observation(), observation(row=1, trunk=1)])
     n = {(row["joints"], row["row"], row["occlusion"]): row["n"] for row in rows}
     assert n["all", "all", "all"] == 2 * 25 * FRAMES
     assert n["legs", "front", "visible"] == n["legs", "back", "partly"] == n["legs", "back", "all"]

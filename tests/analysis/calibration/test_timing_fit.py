@@ -1,4 +1,4 @@
-"""The fit of coupling and noise: its likelihood by a second route, its recovery of what was put in, its refusals."""
+"""The fit of coupling and noise: its likelihood by a second route, recovery of known parameters, and refusals."""
 
 from __future__ import annotations
 
@@ -21,53 +21,62 @@ from sjasim.humans.timing.ensemble import EnsembleTiming
 from sjasim.humans.timing.parameters import TimingParameters, preset
 
 WIDE = 1.7
-"""Makes 95 % intervals ones of 99.9 %, where a test asks for some fifteen values at once."""
+"""Factor from 95 % to 99.9 % intervals, for tests of about fifteen values at once."""
 TABLE = Timetable(paper(), TempoMap.steady(118), 4.0, 0, 4)
 STEPS = TABLE.choreography.steps()
 
 
-def danced(p: TimingParameters, sessions: int, dancers: int, seed: int) -> TappingTrials:
-    """Five iterations of as many groups as asked for, by the model itself, lapses and order rule and all."""
+def simulate(p: TimingParameters, sessions: int, dancers: int, seed: int) -> TappingTrials:
+    """Five iterations of some groups, simulated with the timing model, with lapses and the order rule."""
     rows = []
     for session in range(sessions):
-        people, take = stream(seed + session, "people"), stream(seed + session, "performance")
-        model = EnsembleTiming(p, TABLE, dancers, people, take)
-        free = np.full(dancers, 0.5)
+        people = stream(seed + session, "people")
+        performance = stream(seed + session, "performance")
+        model = EnsembleTiming(p, TABLE, dancers, people, performance)
+
+        # Time from which each dancer may begin the next iteration.
+        free_s = np.full(dancers, 0.5)
         for iteration in range(5):
-            model.begin(iteration, None, free)
-            late = np.full((len(STEPS), dancers), np.nan)
+            model.begin(iteration, None, free_s)
+            late_s = np.full((len(STEPS), dancers), np.nan)
             for dancer, own in enumerate(model.decide(-math.inf, ())):
                 for cue in own:
                     for k, (_, t_s) in enumerate(cue.events()):
                         beat = STEPS[cue.ordinal + k].beat
-                        late[cue.ordinal + k, dancer] = t_s - TABLE.time_s(iteration, beat)
-                free[dancer] = max(cue.t_s + cue.duration_s for cue in own) + 0.7
-            rows.append(late)
+                        late_s[cue.ordinal + k, dancer] = t_s - TABLE.time_s(iteration, beat)
+                free_s[dancer] = max(cue.t_s + cue.duration_s for cue in own) + 0.7
+            rows.append(late_s)
+
     names = tuple(f"dancer_{k + 1}" for k in range(dancers))
     return TappingTrials(names, np.array(rows), np.repeat(np.arange(sessions), 5), True, phrases(TABLE.choreography))
 
 
-def missed(fit, p: TimingParameters, wide: float = 1.0) -> dict[str, tuple[float, float, float, float]]:
-    """Parameters that are neither within 10 % nor inside their interval, or one that is wider about the fit."""
+def not_recovered(fit, p: TimingParameters, wide: float = 1.0) -> dict[str, tuple[float, float, float, float]]:
+    """Parameters that are neither within 10 % of the fit nor inside its interval, widened by a factor."""
     truth = {name: getattr(p, name) for name in ("timekeeper_s", "motor_s", "common_s", "common_correlation", "lapse")}
     truth |= {name: getattr(p, name) for name in ("coupling", "iteration_spread", "group_spread")}
     truth |= {f"late_s[{k + 1}]": late for k, late in enumerate(p.per_dancer("late_s", len(fit.agents), 0.0))}
-    out = {}
+    found = {}
     for name, value in truth.items():
         if name not in fit.estimates:
+            # A matrix of couplings has other names; few groups have no spread.
             assert name in ("coupling", "group_spread")
             continue
+
         item = fit.estimates[name]
-        low, high = item.value - wide * (item.value - item.low), item.value + wide * (item.high - item.value)
+        low = item.value - wide * (item.value - item.low)
+        high = item.value + wide * (item.high - item.value)
         if not (low <= value <= high or abs(item.value - value) <= 0.1 * abs(value)):
-            out[name] = (value, item.value, item.low, item.high)
-    return out
+            found[name] = (value, item.value, item.low, item.high)
+    return found
 
 
 def dense(times, transition, noise) -> tuple[float, float, int]:
-    """Squared distance and log determinant from the whole covariance matrix."""
+    """Squared distance, log determinant and number of events from the full covariance matrix."""
     events, dancers = times.shape
     own = [np.zeros((dancers, dancers))] * events
+
+    # Motor noise and the common shift of all events; own deviations are added below, block by block.
     common = noise.common * noise.correlation ** np.abs(np.subtract.outer(np.arange(events), np.arange(events)))
     whole = np.kron(common, np.ones((dancers, dancers))) + np.kron(np.eye(events), np.diag(noise.motor))
     sigma = np.diag(noise.first)
@@ -77,30 +86,34 @@ def dense(times, transition, noise) -> tuple[float, float, int]:
         own[e] = sigma
         for later in range(e, events):
             block = np.linalg.matrix_power(transition, later - e) @ own[e]
-            rows, columns = slice(later * dancers, (later + 1) * dancers), slice(e * dancers, (e + 1) * dancers)
+            rows = slice(later * dancers, (later + 1) * dancers)
+            columns = slice(e * dancers, (e + 1) * dancers)
             whole[rows, columns] += block
             if later > e:
                 whole[columns, rows] += block.T
+
     seen = np.isfinite(times).reshape(-1)
-    values, part = times.reshape(-1)[seen], whole[np.ix_(seen, seen)]
+    values = times.reshape(-1)[seen]
+    part = whole[np.ix_(seen, seen)]
     return float(values @ np.linalg.solve(part, values)), float(np.linalg.slogdet(part)[1]), int(seen.sum())
 
 
-def test_the_filter_is_the_gaussian_density():
+def test_the_filter_gives_the_gaussian_density():
     rng = np.random.default_rng(0)
     times = rng.normal(size=(6, 5, 3))
     times[rng.random(times.shape) < 0.25] = np.nan
     noise = Noise(np.array([0.4, 0.5, 0.9]), np.array([0.4, 0.5, 2.0]), np.array([0.1, 0.2, 0.3]), 1.5, 0.6)
     transition = TimingParameters(coupling=((0, 0.1, 0.3), (0.2, 0, 0.2), (0.4, 0.0, 0))).transition_matrix(3)
-    judge = PhaseFilter(times)
-    distance, log_det = judge.evaluate(transition, noise)
+    phase_filter = PhaseFilter(times)
+    distance, log_det = phase_filter.evaluate(transition, noise)
     for n in range(len(times)):
-        assert (distance[n], log_det[n], judge.counts[n]) == pytest.approx(dense(times[n], transition, noise))
+        assert (distance[n], log_det[n], phase_filter.counts[n]) == pytest.approx(dense(times[n], transition, noise))
 
 
-def test_random_scales_are_summed_over():
+def test_the_likelihood_is_summed_over_random_scales():
     rng = np.random.default_rng(1)
-    values, spread = rng.normal(size=(4, 6)), 0.4
+    values = rng.normal(size=(4, 6))
+    spread = 0.4
     nodes = np.linspace(-4.2, 4.2, 31)
     weights = np.exp(-(nodes**2) / 2) / np.exp(-(nodes**2) / 2).sum()
     found = log_mixture((values**2).sum(axis=1), np.full(4, 6), spread * nodes, np.log(weights))
@@ -113,29 +126,29 @@ def test_random_scales_are_summed_over():
 
 def test_musicians_are_recovered():
     p = preset("musicians")
-    assert not missed(fit_trials(danced(p, 30, 3, seed=610_000)), p)
+    assert not_recovered(fit_trials(simulate(p, 30, 3, seed=610_000)), p) == {}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper-entrainment", "paper-warmup", "musicians"])
-def test_two_hundred_sessions_give_every_parameter_back(name):
+def test_every_parameter_is_recovered_from_two_hundred_sessions(name):
     p = preset(name)
-    assert not missed(fit_trials(danced(p, 200, 3, seed=620_000)), p)
+    assert not_recovered(fit_trials(simulate(p, 200, 3, seed=620_000)), p) == {}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("dancers", [2, 5, 8])
 def test_groups_of_every_size_are_fitted(dancers):
     p = preset("musicians")
-    found = missed(fit_trials(danced(p, 40, dancers, seed=630_000)), p, WIDE)
+    found = not_recovered(fit_trials(simulate(p, 40, dancers, seed=630_000)), p, WIDE)
     assert not {name for name in found if not name.startswith("late_s")}  # all dancers share the group's shift
 
 
 @pytest.mark.slow
-def test_a_leader_is_found():
+def test_a_leader_is_recovered():
     p = preset("leader")
-    fit = fit_trials(danced(p, 200, 3, seed=640_000), coupling="matrix")
-    assert not missed(fit, p, WIDE)
+    fit = fit_trials(simulate(p, 200, 3, seed=640_000), coupling="matrix")
+    assert not_recovered(fit, p, WIDE) == {}
     gains = p.coupling_gains(3)
     for i in range(3):
         for j in range(3):
@@ -147,16 +160,18 @@ def test_a_leader_is_found():
 
 
 @pytest.mark.slow
-def test_each_dancers_noise_is_found():
+def test_each_dancers_noise_is_recovered():
     p = replace(preset("musicians"), scale=(0.6, 1.0, 1.6))
-    fit = fit_trials(danced(p, 100, 3, seed=650_000), noise="each")
+    fit = fit_trials(simulate(p, 100, 3, seed=650_000), noise="each")
     assert fit.parameters.scale == pytest.approx(np.array(p.scale) / np.prod(p.scale) ** (1 / 3), rel=0.06)
 
 
-def test_in_free_time_only_what_divides_the_dancers_counts():
+def test_in_free_time_only_differences_between_dancers_count():
     rng = np.random.default_rng(660_000)
     p = TimingParameters(timekeeper_s=0.03, motor_s=0.01, coupling=0.15)
-    step, x, rows = p.transition_matrix(3), np.zeros(3), []
+    step = p.transition_matrix(3)
+    x = np.zeros(3)
+    rows = []
     for _ in range(600):
         x = step @ x + 0.03 * rng.normal(size=3)
         rows.append(x + 0.01 * rng.normal(size=3) + 0.5 * rng.normal())
@@ -170,8 +185,8 @@ def test_in_free_time_only_what_divides_the_dancers_counts():
     assert set(fit.estimates) == {"timekeeper_s", "motor_s", "coupling", *(f"late_s[{k}]" for k in (1, 2, 3))}
 
 
-def test_too_little_or_the_wrong_word_is_refused():
-    few = danced(preset("musicians"), 1, 2, seed=1)
+def test_too_few_events_and_unknown_options_are_refused():
+    few = simulate(preset("musicians"), 1, 2, seed=1)
     with pytest.raises(FitError, match="too little to fit: 18 events of 2 dancers"):
         fit_trials(replace(few, late_s=few.late_s[:1], session=few.session[:1]))
     with pytest.raises(ConfigError, match=r"coupling = 'some' .*one, matrix"):
