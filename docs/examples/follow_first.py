@@ -16,7 +16,7 @@ from sjasim.core.method_io import MethodAction, MethodContext, ScheduleCommand
 
 @dataclass(frozen=True)
 class FollowFirstConfig:
-    """Options of the method. Users set them with ``--method-options dancer dancer_2``.
+    """Options of the method. Users set them with ``--method-options.dancer dancer_2``.
 
     Attributes:
         dancer: name of the dancer to follow.

@@ -1,0 +1,66 @@
+"""Links of all pages, and what the README promises."""
+
+import re
+import tomllib
+
+import pytest
+
+from sjasim.config import FAULTS
+from sjasim.config.toml_file import from_plain
+
+from .pages import ROOT, blocks, links, pages, text_of
+
+MOST_WORDS = 700
+
+
+@pytest.mark.parametrize("page", pages())
+def test_links_lead_to_files(page):
+    folder = (ROOT / page).parent
+    missing = [file for file in links(page) if not (folder / file).exists()]
+    # The pages of the API reference are made when the site is built.
+    assert [file for file in missing if not file.startswith("reference/api")] == []
+
+
+def test_the_readme_is_short():
+    words = text_of("README.md").split()
+    assert 300 < len(words) <= MOST_WORDS
+
+
+def test_the_readme_leads_to_every_page_of_the_site_that_users_need():
+    linked = {file.removeprefix("docs/") for file in links("README.md")}
+    needed = {
+        "quick-start.md",
+        "concepts.md",
+        "glossary.md",
+        "paper.md",
+        "session-folder.md",
+        "methods.md",
+        "people.md",
+    }
+    needed |= {"environment.md", "own-data.md", "plug-ins.md", "figures.md", "troubleshooting.md", "developers/tree.md"}
+    assert needed <= linked
+
+
+def test_settings_in_a_file_are_understood():
+    settings, *_ = blocks("docs/quick-start.md", "toml")
+    config = from_plain(tomllib.loads(settings.text))
+    assert [fault.kind for fault in config.faults] == ["clock_jump", "dancer_late"]
+    text = text_of("docs/quick-start.md")
+    assert all(f"`{kind}`" in text or f'"{kind}"' in text for kind in FAULTS)
+
+
+def test_each_page_has_one_title():
+    for page in pages():
+        text = re.sub(r"```.*?```", "", text_of(page), flags=re.DOTALL)
+        titles = re.findall(r"^# .+", text, re.M)
+        assert len(titles) == (
+            0 if page in ("docs/developers/contributing.md", "docs/developers/changelog.md") else 1
+        ), page
+
+
+def test_the_paper_page_names_every_equation():
+    rows = text_of("docs/paper.md")
+    for equation in range(1, 12):
+        spans = re.findall(r"eqs?\. \((\d+)\)(?: (?:to|and) \((\d+)\)|, \((\d+)\))?", rows)
+        named = {n for first, last, other in spans for n in range(int(first), int(last or other or first) + 1)}
+        assert equation in named
