@@ -1,4 +1,4 @@
-"""Gymnasium environments over sjasim's dance sessions; importing this package registers their ids."""
+"""Gymnasium environments in which an agent commands the robot; importing this package registers their ids."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ ENVIRONMENTS = {
     "sjasim/DanceFlat-v0": "sjasim_envs.dance:DanceFlatEnv",
     "sjasim/DanceContinuous-v0": "sjasim_envs.dance:DanceContinuousEnv",
 }
-"""Id -> where its class is, as text: nothing but Gymnasium is loaded until one is made."""
+"""Id -> its class, as text, so that only Gymnasium is imported until an environment is made."""
 
 
 def register_envs() -> None:
-    """Make the ids known to Gymnasium; once more does no harm."""
-    for name, place in ENVIRONMENTS.items():
+    """Register the ids with Gymnasium; a repeated call has no effect."""
+    for name, entry_point in ENVIRONMENTS.items():
         if name not in registry:
-            register(id=name, entry_point=place)
+            register(id=name, entry_point=entry_point)
 
 
 register_envs()

@@ -116,7 +116,7 @@ class _Dance(gym.Env[Any, Any]):
 
         self.config = _configured(config or SessionConfig(method=AGENT, sensing="joints"), options)
         self._first_seed = self.config.seed if "seed" in options or config is not None else None
-        self._weights = RewardConfig.of(reward or {})
+        self._weights = RewardConfig.from_mapping(reward or {})
         self._skip_rehearsal = skip_rehearsal
         self._step_hz = step_hz
         self.metadata = {**self.metadata, "render_fps": step_hz}
@@ -241,11 +241,11 @@ class _Dance(gym.Env[Any, Any]):
                 raise error.ClosedEnvironmentError("step() of an environment that has been closed")
             raise error.ResetNeeded("step() after the dance was over: call reset() first")
 
-        now, settled = self._advance(self._plain_action(action))
+        now, figures = self._advance(self._plain_action(action))
         if self.render_mode == "human":
             self.render()
         terms = self._scorer.terms
-        return self._observed(now), sum(terms.values()), self._over, False, {"t_s": now, **terms, **settled}
+        return self._observed(now), sum(terms.values()), self._over, False, {"t_s": now, **terms, **figures}
 
     def _advance(self, action: PlainAction) -> tuple[float, dict[str, object]]:
         """Carry out a plain action; returns the session time and the figures of an iteration that is complete."""
@@ -255,9 +255,9 @@ class _Dance(gym.Env[Any, Any]):
         self._steps += 1
         session.advance(min(self._steps / self._step_hz, session.end_s))
         now = session.time_s
-        settled = self._scorer.update(now)
+        figures = self._scorer.update(now)
         self._over = now >= session.end_s - 1e-9
-        return now, settled
+        return now, figures
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture of the scene (``rgb_array``), or None after the window was updated (``human``)."""
@@ -301,7 +301,7 @@ class _Dance(gym.Env[Any, Any]):
         return _configured(self.config, changes)
 
     def _observed(self, now: float) -> Any:
-        return self._observer.named(now)
+        return self._observer.named_observation(now)
 
     @abstractmethod
     def _plain_action(self, action: Any) -> PlainAction:
@@ -348,7 +348,7 @@ class DanceFlatEnv(DanceEnv):
         self.observation_space = self._observer.flat_space
 
     def _observed(self, now: float) -> Any:
-        return self._observer.flat(now)
+        return self._observer.flat_observation(now)
 
 
 class DanceContinuousEnv(_Dance):

@@ -1,13 +1,13 @@
-"""What the agent sees: everything the server knows, and the skeletons its active client saw; never the truth."""
+"""Observations of the environments: what the server knows and the active sensor's skeletons, never the ground truth."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 from gymnasium import spaces
-from numba import njit
 from numpy.typing import NDArray
 
 from sjasim.anticipation.observation import (
@@ -20,238 +20,319 @@ from sjasim.anticipation.observation import (
     Row,
     write_time_features,
 )
+from sjasim.assets.names import JOINTS
 from sjasim.config import SessionConfig
 from sjasim.core import SYNCHRONY_KINDS, Array, IntArray, Move, MoveCommand, RobotState, Skeletons
+from sjasim.core.compiled import compiled_entry
 from sjasim.session.session import Session
 
-REACH_M = 20.0
-"""Bound of every position [m]: no sensor reaches farther."""
+MAX_POSITION_M = 20.0
+"""Bound of every coordinate of a position [m]; beyond the range of any sensor."""
 
-BLANK = 32
-"""Observations that are prepared at once."""
+BUFFER_ROWS = 32
+"""Observations that are allocated at a time."""
 
-_JOINTS = 25
-_NOBODY = Skeletons(np.empty(0, dtype=np.int64), np.empty((0, _JOINTS, 3)), np.empty((0, _JOINTS), dtype=np.int8))
-for _part in _NOBODY:
-    _part.flags.writeable = False  # as real ones: the compiled code is the same
+JOINT_COUNT = len(JOINTS)
 
-_AGE, _REPORTED = 4, 5
-"""Where command and robot tell how old they are."""
+COMMAND_WIDTH = 7
+"""Numbers of the part ``command``: one of four moves, age, speed, yaw rate."""
+
+COMMAND_AGE = 4
+"""Place of the age in the part ``command``."""
+
+ROBOT_WIDTH = 6
+"""Numbers of the part ``robot``: x, y, heading, speed, yaw rate, age."""
+
+ROBOT_AGE = 5
+"""Place of the age in the part ``robot``."""
+
+NO_SKELETONS = Skeletons(
+    np.empty(0, dtype=np.int64), np.empty((0, JOINT_COUNT, 3)), np.empty((0, JOINT_COUNT), dtype=np.int8)
+)
+"""Skeletons of a sensor that has not sent any."""
+
+for _array in NO_SKELETONS:
+    # The arrays of a frame are read-only too. Another type would make numba compile `_write` once more.
+    _array.flags.writeable = False
 
 
-def parts(config: SessionConfig, steps: int, clients: int) -> dict[str, tuple[tuple[int, ...], Row, Row]]:
-    """Name -> (shape, lowest, highest) of every part of an observation, in alphabetical order.
+class Part(NamedTuple):
+    """Shape and bounds of one part of an observation.
+
+    Attributes:
+        shape: shape of the part.
+        low: lower bounds, of this shape.
+        high: upper bounds, of this shape.
+    """
+
+    shape: tuple[int, ...]
+    low: Row
+    high: Row
+
+
+def observation_parts(config: SessionConfig, steps: int, sensors: int) -> dict[str, Part]:
+    """Shapes and bounds of the parts of an observation, in alphabetical order.
 
     Args:
-        config: the session; dancers and the robot's limits count.
-        steps: events that the dance wants of the robot in an iteration.
-        clients: sensors.
+        config: the session, of which the number of dancers and the robot's limits matter.
+        steps: number of events that the dance expects of the robot in an iteration.
+        sensors: number of sensors.
     """
-    speed, yaw = config.robot.max_speed_m_s, config.robot.max_yaw_rate_rad_s
-    command = [1.0, 1.0, 1.0, 1.0, MAX_AGE_S, speed, yaw]
-    robot = [REACH_M, REACH_M, math.pi, 2 * speed, 2 * yaw, MAX_AGE_S]
+    speed_m_s = config.robot.max_speed_m_s
+    yaw_rate_rad_s = config.robot.max_yaw_rate_rad_s
     dancers = config.dancers
-    bounds: dict[str, tuple[tuple[int, ...], object, object]] = {
-        "beat": ((1 + 2 * len(PERIODS),), MIN_SCALED_BEAT, -MIN_SCALED_BEAT),
-        "client": ((clients,), 0.0, 1.0),
-        "command": ((7,), [0.0, 0.0, 0.0, 0.0, 0.0, -speed, -yaw], command),
-        "event_age": ((dancers, len(SYNCHRONY_KINDS), 2), 0.0, MAX_AGE_S),
-        "iteration": ((1,), 0.0, float(config.iterations)),
-        "joints": ((dancers, _JOINTS, 3), -REACH_M, REACH_M),
-        "last_iteration": ((dancers, steps), -MAX_DEVIATION_S, MAX_DEVIATION_S),
-        "robot": ((6,), [*(-value for value in robot[:5]), 0.0], robot),
-        "tracked": ((dancers, _JOINTS), 0.0, 1.0),
-    }
+
+    # Odometry overshoots the limits while the base ramps its speed.
+    robot = [MAX_POSITION_M, MAX_POSITION_M, math.pi, 2 * speed_m_s, 2 * yaw_rate_rad_s, MAX_AGE_S]
+    robot_low = [*(-bound for bound in robot[:ROBOT_AGE]), 0.0]
+    command_low = [0.0, 0.0, 0.0, 0.0, 0.0, -speed_m_s, -yaw_rate_rad_s]
+    command_high = [1.0, 1.0, 1.0, 1.0, MAX_AGE_S, speed_m_s, yaw_rate_rad_s]
     return {
-        name: (shape, np.broadcast_to(np.float32(low), shape), np.broadcast_to(np.float32(high), shape))  # type: ignore[arg-type]
-        for name, (shape, low, high) in bounds.items()
+        "beat": _part((1 + 2 * len(PERIODS),), MIN_SCALED_BEAT, -MIN_SCALED_BEAT),
+        "client": _part((sensors,), 0.0, 1.0),
+        "command": _part((COMMAND_WIDTH,), command_low, command_high),
+        "event_age": _part((dancers, len(SYNCHRONY_KINDS), 2), 0.0, MAX_AGE_S),
+        "iteration": _part((1,), 0.0, float(config.iterations)),
+        "joints": _part((dancers, JOINT_COUNT, 3), -MAX_POSITION_M, MAX_POSITION_M),
+        "last_iteration": _part((dancers, steps), -MAX_DEVIATION_S, MAX_DEVIATION_S),
+        "robot": _part((ROBOT_WIDTH,), robot_low, robot),
+        "tracked": _part((dancers, JOINT_COUNT), 0.0, 1.0),
     }
 
 
-@njit(cache=True)
+def _part(shape: tuple[int, ...], low: float | list[float], high: float | list[float]) -> Part:
+    return Part(shape, np.broadcast_to(np.float32(low), shape), np.broadcast_to(np.float32(high), shape))  # type: ignore[arg-type]
+
+
+@compiled_entry
 def _write(
-    t_s: float, line: tuple[float, float], last_s: Array, sent_s: float, reported_s: float, joints: Array,
-    state: NDArray[np.int8], order: IntArray, starts: tuple[int, int, int, int, int, int], row: Row,
-) -> None:  # fmt: skip
-    """Write what is another at every instant.
+    t_s: float,
+    line: tuple[float, float],
+    last_s: Array,
+    sent_s: float,
+    reported_s: float,
+    joints: Array,
+    state: NDArray[np.int8],
+    dancers: IntArray,
+    starts: tuple[int, int, int, int, int, int],
+    row: Row,
+) -> None:
+    """Write the numbers that differ at every instant.
 
     Args:
         t_s: session time.
-        line: as in `tell`.
-        last_s: the same.
-        sent_s: when the command in force was sent.
-        reported_s: when the robot reported last.
-        joints: (P, 25, 3) as in `Skeletons` [m].
-        state: (P, 25) the same.
-        order: (P,) place of each person in the cast; -1 for somebody unknown.
-        starts: where in the row beat, event_age, joints and tracked begin, and where command and robot have an age.
-        row: (N,) to write.
+        line: see `write_time_features`.
+        last_s: see `write_time_features`.
+        sent_s: time at which the command in force was sent.
+        reported_s: time of the robot's last report.
+        joints: (P, 25, 3) skeletons [m].
+        state: (P, 25) their tracking states.
+        dancers: (P,) index of each person in the cast; -1 for somebody unknown.
+        starts: places in the row at which beat, event_age, joints and tracked start, and of the ages in command and
+            robot.
+        row: (N,) output.
     """
-    beats, ages, seen_m, tracked, sent, reported = starts
+    beats, ages, joints_start, tracked_start, command_age, robot_age = starts
     write_time_features(t_s, line, last_s, row[beats:], row[ages:])
-    row[sent] = min(t_s - sent_s, MAX_AGE_S)
-    row[reported] = min(t_s - reported_s, MAX_AGE_S)
-    dancers = len(last_s)
-    row[seen_m : seen_m + dancers * _JOINTS * 3] = 0.0
-    row[tracked : tracked + dancers * _JOINTS] = 0.0
-    for person, dancer in enumerate(order):
+    row[command_age] = min(t_s - sent_s, MAX_AGE_S)
+    row[robot_age] = min(t_s - reported_s, MAX_AGE_S)
+
+    # Dancers without a skeleton have zeros.
+    dancer_count = len(last_s)
+    row[joints_start : joints_start + dancer_count * JOINT_COUNT * 3] = 0.0
+    row[tracked_start : tracked_start + dancer_count * JOINT_COUNT] = 0.0
+    for person, dancer in enumerate(dancers):
         if dancer < 0:
             continue
-        for k in range(_JOINTS):
-            place = dancer * _JOINTS + k
-            row[tracked + place] = 0.5 * state[person, k]
+        for k in range(JOINT_COUNT):
+            place = dancer * JOINT_COUNT + k
+            row[tracked_start + place] = 0.5 * state[person, k]
             for axis in range(3):
-                at_m = joints[person, k, axis]
-                row[seen_m + 3 * place + axis] = 0.0 if math.isnan(at_m) else at_m
+                value_m = joints[person, k, axis]
+                row[joints_start + 3 * place + axis] = 0.0 if math.isnan(value_m) else value_m
 
 
 class Observer:
-    """Keeps one flat row of numbers up to date; its named parts are views of it, and whoever asks gets copies.
+    """Keeps the observation of a session up to date, as one row of numbers of which the named parts are views.
 
-    What is another at every instant is written by one compiled call; the rest when it changes.
+    One compiled call writes the numbers that differ at every instant; the others are written when they change.
 
     Args:
-        config: any session with the shapes that are to be observed.
-        steps: events that the dance wants of the robot in an iteration.
-        clients: names of the sensors.
+        config: a session of the observed kind.
+        steps: number of events that the dance expects of the robot in an iteration.
+        sensors: names of the sensors.
     """
 
-    def __init__(self, config: SessionConfig, steps: int, clients: tuple[str, ...]) -> None:
-        self._parts = parts(config, steps, len(clients))
-        self._place = {name: index for index, name in enumerate(clients)}
-        self._limits = 2.0 * config.robot.max_speed_m_s, 2.0 * config.robot.max_yaw_rate_rad_s
-        ends = np.cumsum([math.prod(shape) for shape, _, _ in self._parts.values()]).tolist()
-        self._row: Row = np.zeros(ends[-1], dtype=np.float32)
+    def __init__(self, config: SessionConfig, steps: int, sensors: tuple[str, ...]) -> None:
+        self._parts = observation_parts(config, steps, len(sensors))
+        self._sensor_index = {name: index for index, name in enumerate(sensors)}
+        self._max_speed_m_s = 2.0 * config.robot.max_speed_m_s
+        self._max_yaw_rate_rad_s = 2.0 * config.robot.max_yaw_rate_rad_s
+
+        ends = np.cumsum([math.prod(part.shape) for part in self._parts.values()]).tolist()
         self._begins = [0, *ends[:-1]]
-        starts = dict(zip(self._parts, self._begins, strict=True))
+        self._row: Row = np.zeros(ends[-1], dtype=np.float32)
         self._views: dict[str, Row] = {
-            name: self._row[starts[name] : end].reshape(shape)
-            for (name, (shape, _, _)), end in zip(self._parts.items(), ends, strict=True)
+            name: self._row[begin:end].reshape(part.shape)
+            for (name, part), begin, end in zip(self._parts.items(), self._begins, ends, strict=True)
         }
-        whole = tuple(starts[name] for name in ("beat", "event_age", "joints", "tracked"))
-        self._starts = *whole, starts["command"] + _AGE, starts["robot"] + _REPORTED
-        self._blank: list[tuple[Row, dict[str, Row]]] = []
+
+        starts = dict(zip(self._parts, self._begins, strict=True))
+        self._starts = (
+            starts["beat"],
+            starts["event_age"],
+            starts["joints"],
+            starts["tracked"],
+            starts["command"] + COMMAND_AGE,
+            starts["robot"] + ROBOT_AGE,
+        )
+        self._buffers: list[tuple[Row, dict[str, Row]]] = []
 
     @property
     def flat_space(self) -> spaces.Box:
-        """Space of whole rows."""
-        low = np.concatenate([low.ravel() for _, low, _ in self._parts.values()])
-        high = np.concatenate([high.ravel() for _, _, high in self._parts.values()])
+        """Space of `flat_observation`."""
+        low = np.concatenate([part.low.ravel() for part in self._parts.values()])
+        high = np.concatenate([part.high.ravel() for part in self._parts.values()])
         return spaces.Box(low, high, dtype=np.float32)
 
     @property
     def space(self) -> spaces.Dict:
-        """Space of the named parts."""
-        return spaces.Dict([(name, spaces.Box(low, high, dtype=np.float32))
-                            for name, (_, low, high) in self._parts.items()])  # fmt: skip
+        """Space of `named_observation`."""
+        boxes = [(name, spaces.Box(part.low, part.high, dtype=np.float32)) for name, part in self._parts.items()]
+        return spaces.Dict(boxes)
 
     def reset(self, session: Session) -> None:
-        """Begin to watch a session."""
+        """Start to observe a session."""
         self._session = session
         self._features = EventFeatures(session.context)
-        self._told = 0
+        self._event_count = 0
         self._row[:] = 0.0
-        self._follow(None)
-        self._locate(None)
-        self._active = ""
-        self._known: Mapping[int, int] = {}
-        self._persons = _NOBODY.persons
-        self._order = self._persons
+        self._write_command(None)
+        self._write_robot(None)
+        self._sensor = ""
+        self._cast_indices: Mapping[int, int] = {}
+        self._persons = NO_SKELETONS.persons
+        self._dancers = self._persons
 
-    def flat(self, now: float) -> Row:
-        """A fresh (N,) row of what is known at this session time."""
-        self._look(now)
+    def flat_observation(self, now: float) -> Row:
+        """A new (N,) row, observed at a session time [s]."""
+        self._update(now)
         return self._row.copy()
 
-    def named(self, now: float) -> dict[str, Row]:
-        """The same by name."""
-        self._look(now)
-        if not self._blank:
-            self._cut()
-        row, named = self._blank.pop()
+    def named_observation(self, now: float) -> dict[str, Row]:
+        """A new dictionary of parts, observed at a session time [s]."""
+        self._update(now)
+        if not self._buffers:
+            self._allocate_buffers()
+        row, named = self._buffers.pop()
         row[:] = self._row
         return named
 
-    def _cut(self) -> None:
-        """Prepare empty observations, each in a row of its own; many at once take a third of the time."""
-        sheet = np.empty((BLANK, len(self._row)), dtype=np.float32)
+    def _allocate_buffers(self) -> None:
+        """Allocate observations, each in a row of its own; many at a time take a third of the time for each."""
+        rows = np.empty((BUFFER_ROWS, len(self._row)), dtype=np.float32)
         columns = [
-            sheet[:, begin : begin + view.size].reshape(BLANK, *view.shape)
+            rows[:, begin : begin + view.size].reshape(BUFFER_ROWS, *view.shape)
             for begin, view in zip(self._begins, self._views.values(), strict=True)
         ]
-        parts = [dict(zip(self._views, own, strict=True)) for own in zip(*columns, strict=True)]
-        self._blank = list(zip(sheet, parts, strict=True))
+        named = [dict(zip(self._views, views, strict=True)) for views in zip(*columns, strict=True)]
+        self._buffers = list(zip(rows, named, strict=True))
 
-    def _look(self, now: float) -> None:
-        session, features = self._session, self._features
-        if len(session.events) > self._told:
-            self._hear()
-        begun = features.advance_to(now)
-        if begun:
+    def _update(self, now: float) -> None:
+        """Write what has changed until a session time [s]."""
+        session = self._session
+        features = self._features
+        if len(session.events) > self._event_count:
+            self._add_events()
+        new_iteration = features.advance_to(now)
+        if new_iteration:
             self._views["iteration"][0] = features.iteration
             self._views["last_iteration"][:] = features.last_iteration
-        dispatcher, server = session.dispatcher, session.server
+
+        dispatcher = session.dispatcher
         if dispatcher.current is not self._command:
-            self._follow(dispatcher.current)
-        if begun or dispatcher.state is not self._state:
-            self._locate(dispatcher.state)
-        if server.active != self._active:
-            self._turn_to(server.active)
-        frame = session.world.latest_frame(self._active)
-        seen = _NOBODY if frame is None else frame.skeletons
-        known = server.cast_indices(self._active)
-        if known is not self._known or seen.persons is not self._persons:
-            self._known, self._persons = known, seen.persons
-            self._order = np.array([known.get(person, -1) for person in seen.persons.tolist()], dtype=np.int64)
+            self._write_command(dispatcher.current)
+        if new_iteration or dispatcher.state is not self._robot_state:
+            self._write_robot(dispatcher.state)
+
+        if session.server.active != self._sensor:
+            self._write_active_sensor(session.server.active)
+        frame = session.world.latest_frame(self._sensor)
+        skeletons = NO_SKELETONS if frame is None else frame.skeletons
+        self._match_dancers(skeletons)
         _write(
-            now, features.line, features.last_s, self._sent_s, self._reported_s, seen.joints, seen.state,
-            self._order, self._starts, self._row,
-        )  # fmt: skip
+            now,
+            features.line,
+            features.last_s,
+            self._sent_s,
+            self._reported_s,
+            skeletons.joints,
+            skeletons.state,
+            self._dancers,
+            self._starts,
+            self._row,
+        )
 
-    def _hear(self) -> None:
-        """Take in the events that have come since the last time."""
-        for event in self._session.events[self._told :]:
+    def _add_events(self) -> None:
+        """Add the events since the last update to the features."""
+        for event in self._session.events[self._event_count :]:
             self._features.add(event)
-        self._told = len(self._session.events)
+        self._event_count = len(self._session.events)
 
-    def _follow(self, command: MoveCommand | None) -> None:
-        """The move in force, one of four, its speed and its yaw rate; before the first command the robot stands."""
+    def _match_dancers(self, skeletons: Skeletons) -> None:
+        """Find the dancers of skeletons, unless neither persons nor their identities have changed."""
+        indices = self._session.server.cast_indices(self._sensor)
+        if indices is not self._cast_indices or skeletons.persons is not self._persons:
+            self._cast_indices = indices
+            self._persons = skeletons.persons
+            found = [indices.get(person, -1) for person in skeletons.persons.tolist()]
+            self._dancers = np.array(found, dtype=np.int64)
+
+    def _write_command(self, command: MoveCommand | None) -> None:
+        """Write move, speed and yaw rate of the command in force; before the first one the robot stands."""
         self._command = command
-        if command is None:
-            self._sent_s, chosen = -math.inf, (Move.STOP, 0.0, 0.0)
-        else:
-            speed = -command.speed_m_s if command.move is Move.BACKWARD else command.speed_m_s
-            self._sent_s, chosen = command.t_start_s, (command.move, speed, command.yaw_rate_rad_s)
-        view = self._views["command"]
-        view[: len(MOVES)] = [chosen[0] is move for move in MOVES]
-        view[_AGE + 1 :] = chosen[1:]
+        move = Move.STOP
+        speed_m_s = 0.0
+        yaw_rate_rad_s = 0.0
+        self._sent_s = -math.inf
+        if command is not None:
+            self._sent_s = command.t_start_s
+            move = command.move
+            speed_m_s = -command.speed_m_s if move is Move.BACKWARD else command.speed_m_s
+            yaw_rate_rad_s = command.yaw_rate_rad_s
 
-    def _locate(self, state: RobotState | None) -> None:
-        """Odometry from the robot's slot, along the heading that the iteration has before its turn."""
-        self._state = state
+        view = self._views["command"]
+        view[: len(MOVES)] = [move is known for known in MOVES]
+        view[COMMAND_AGE + 1 :] = (speed_m_s, yaw_rate_rad_s)
+
+    def _write_robot(self, state: RobotState | None) -> None:
+        """Write the odometry estimate relative to the robot's slot and the heading before the iteration's turn."""
+        self._robot_state = state
         if state is None:
             self._reported_s = -math.inf
             return
+
         session = self._session
         self._reported_s = state.t_s
-        heading = session.timetable.heading_rad(max(self._features.iteration, 1))
-        x, y = state.x_m - float(session.layout.robot[0]), state.y_m - float(session.layout.robot[1])
-        cos, sin = math.cos(heading), math.sin(heading)
-        fastest, quickest = self._limits
-        self._views["robot"][:_REPORTED] = (
-            _bounded(x * cos + y * sin, REACH_M),
-            _bounded(y * cos - x * sin, REACH_M),
-            math.remainder(state.heading_rad - heading, math.tau),
-            _bounded(state.step_m * session.config.robot.odometry_hz, fastest),
-            _bounded(state.yaw_rate_rad_s, quickest),
+        heading_rad = session.timetable.heading_rad(max(self._features.iteration, 1))
+        x_m = state.x_m - float(session.layout.robot[0])
+        y_m = state.y_m - float(session.layout.robot[1])
+        cos = math.cos(heading_rad)
+        sin = math.sin(heading_rad)
+        self._views["robot"][:ROBOT_AGE] = (
+            _clip(x_m * cos + y_m * sin, MAX_POSITION_M),
+            _clip(y_m * cos - x_m * sin, MAX_POSITION_M),
+            math.remainder(state.heading_rad - heading_rad, math.tau),
+            _clip(state.step_m * session.config.robot.odometry_hz, self._max_speed_m_s),
+            _clip(state.yaw_rate_rad_s, self._max_yaw_rate_rad_s),
         )
 
-    def _turn_to(self, sensor: str) -> None:
-        """Another client is active."""
-        self._active = sensor
+    def _write_active_sensor(self, sensor: str) -> None:
+        self._sensor = sensor
         self._views["client"][:] = 0.0
-        self._views["client"][self._place[sensor]] = 1.0
+        self._views["client"][self._sensor_index[sensor]] = 1.0
 
 
-def _bounded(value: float, limit: float) -> float:
+def _clip(value: float, limit: float) -> float:
+    """The value within -limit and limit; `numpy.clip` takes longer for one number."""
     return min(max(value, -limit), limit)

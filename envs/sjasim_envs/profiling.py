@@ -1,4 +1,4 @@
-"""What the environments cost: beside the bare physics of the same steps, and in processes of their own."""
+"""Cost of the environments: CPU time compared with the bare physics, and the speed of several worker processes."""
 
 from __future__ import annotations
 
@@ -14,104 +14,118 @@ from sjasim.simulation.physics_world import physics_of
 from sjasim.simulation.profiling import CpuProfiler, PhysicsReplay, instrument_session
 
 OPTIONS: dict[str, Any] = {"iterations": 1, "dance": {"rehearsal": False}, "sensing": "joints"}
-"""Of every environment that is measured."""
+"""Options of every measured environment."""
+
+STEP_HZ = 30
+"""Default rate of the environments' steps [Hz]."""
 
 WORKER_STEPS = 300
-"""Steps that each worker makes."""
+"""Steps of each worker."""
 
-TURN_STEPS = 30
-"""Steps of each turn."""
+SLICE_STEPS = 30
+"""Steps after which the measurement switches between the things that it compares."""
 
-DANCES = 3
-"""How often the environment and the bare physics dance the same."""
+REPETITIONS = 3
+"""Number of times that the environment and the bare physics run the same episode."""
 
 
 def profile_env() -> dict[str, Any]:
-    """Measure the named environment at 30 Hz as ``gymnasium.make`` gives it, in turn with the bare physics.
+    """Measure the named environment as ``gymnasium.make`` gives it, in alternation with the bare physics.
 
-    The metronome dances one iteration; building the session is not counted, for a reset is not a step. Of each turn,
-    of the environment and of the physics under the same controls, the middle one of `DANCES` dances counts: a machine
-    that is slow for a while slows down some of them only, and no part of the dance is left out. What an agent takes to
-    choose its actions is not counted: they are those of a dance before.
+    The method ``metronome`` dances one iteration. The time of a reset is not measured, and neither is the choice of
+    actions: they are those of an earlier episode. Each slice of the episode counts with the median of the
+    repetitions, so that a machine that is slow for a while spoils only some of them.
 
     Returns:
         ``env_steps``, ``env_cpu_s`` and ``env_raw_cpu_s``.
     """
-    env: Any = _begun()
+    env: Any = _reset_env()
     session = env.unwrapped.session
-    physics, count = physics_of(session).physics, int(session.end_s * 30)
-    start = (physics.data.qpos.copy(), physics.data.qvel.copy())
+    steps = int(session.end_s * STEP_HZ)
+    data = physics_of(session).physics.data
+    start = (data.qpos.copy(), data.qvel.copy())
     controls = instrument_session(CpuProfiler(), session)
-    actions = _danced(env, count)
-    dances = [_turns(_begun(), PhysicsReplay(physics.model, start, controls), actions) for _ in range(DANCES)]
-    cpu_s, raw_cpu_s = np.median(dances, axis=0).sum(axis=0).tolist()
-    return {"env_steps": count, "env_cpu_s": cpu_s, "env_raw_cpu_s": raw_cpu_s}
+    actions = _run_method(env, steps)
+
+    model = physics_of(session).physics.model
+    slices_s = [
+        _measure_slices(_reset_env(), PhysicsReplay(model, start, controls), actions) for _ in range(REPETITIONS)
+    ]
+    cpu_s, raw_cpu_s = np.median(slices_s, axis=0).sum(axis=0).tolist()
+    return {"env_steps": steps, "env_cpu_s": cpu_s, "env_raw_cpu_s": raw_cpu_s}
 
 
-def _begun() -> gym.Env[Any, Any]:
-    """An environment whose dance begins."""
+def _reset_env() -> gym.Env[Any, Any]:
+    """A new environment at the beginning of an episode."""
     env: gym.Env[Any, Any] = gym.make("sjasim/Dance-v0", method="metronome", **OPTIONS)
     env.reset(seed=0)
     return env
 
 
-def _turns(env: Any, bare: PhysicsReplay, actions: list[int]) -> list[tuple[float, float]]:
-    """CPU time of environment and bare physics, turn by turn [s]."""
-    physics, spent_s = physics_of(env.unwrapped.session).physics, []
-    for done in range(0, len(actions), TURN_STEPS):
-        begin = time.process_time()
-        for action in actions[done : done + TURN_STEPS]:
+def _run_method(env: Any, steps: int) -> list[int]:
+    """Run an episode in which the environment's method decides; returns the actions that repeat its moves."""
+    actions = [0]
+    for _ in range(steps):
+        observation = env.step(actions[-1])[0]
+        actions.append(int(observation["command"][:4].argmax()))
+    return actions[:steps]
+
+
+def _measure_slices(env: Any, replay: PhysicsReplay, actions: list[int]) -> list[tuple[float, float]]:
+    """CPU times of the environment and of the bare physics, for each slice of an episode [s].
+
+    Raises:
+        AssertionError: the replayed physics differs from the environment's, so that the comparison would be wrong.
+    """
+    physics = physics_of(env.unwrapped.session).physics
+    spent_s = []
+    for first in range(0, len(actions), SLICE_STEPS):
+        start_s = time.process_time()
+        for action in actions[first : first + SLICE_STEPS]:
             env.step(action)
-        middle = time.process_time()
-        bare.advance(physics.tick)
-        spent_s.append((middle - begin, time.process_time() - middle))
-    if not np.array_equal(bare.data.qpos, physics.data.qpos):
-        raise AssertionError("the replayed physics went another way than the environment's")
+        middle_s = time.process_time()
+        replay.advance(physics.tick)
+        spent_s.append((middle_s - start_s, time.process_time() - middle_s))
+
+    if not np.array_equal(replay.data.qpos, physics.data.qpos):
+        raise AssertionError("the replayed physics differs from the environment's")
     return spent_s
 
 
-def _danced(env: Any, count: int) -> list[int]:
-    """Repeat the move in force, so that the environment's method decides; the actions that this takes."""
-    actions = [0]
-    for _ in range(count):
-        actions.append(int(env.step(actions[-1])[0]["command"][:4].argmax()))
-    return actions[:count]
-
-
 def profile_workers() -> dict[str, Any]:
-    """Measure one worker and two, each in a process of its own, in turns by the clock on the wall.
+    """Measure the wall time of one worker process and of two, in alternation.
 
     Returns:
-        ``async_steps_per_s``: environment steps per second of one worker and of two together, in the middle one of
-        their turns.
+        ``async_steps_per_s``: environment steps per second of one worker, and of two together; medians over slices.
     """
-    crews = [AsyncVectorEnv([_made] * count, context="spawn") for count in (1, 2)]
-    wall_s: list[list[float]] = [[] for _ in crews]
+    vector_envs = [AsyncVectorEnv([_make_worker_env] * count, context="spawn") for count in (1, 2)]
+    wall_s: list[list[float]] = [[] for _ in vector_envs]
     try:
-        for crew in crews:
-            crew.reset(seed=0)
-            _wait(crew, TURN_STEPS)
-        for _ in range(0, WORKER_STEPS, TURN_STEPS):
-            for crew, spent in zip(crews, wall_s, strict=True):
-                spent.append(_wait(crew, TURN_STEPS))
+        for vector_env in vector_envs:
+            vector_env.reset(seed=0)
+            _step(vector_env, SLICE_STEPS)
+        for _ in range(0, WORKER_STEPS, SLICE_STEPS):
+            for vector_env, spent_s in zip(vector_envs, wall_s, strict=True):
+                spent_s.append(_step(vector_env, SLICE_STEPS))
     finally:
-        for crew in crews:
-            crew.close()
-    return {
-        "async_steps_per_s": [
-            crew.num_envs * TURN_STEPS / median(spent) for crew, spent in zip(crews, wall_s, strict=True)
-        ]
-    }
+        for vector_env in vector_envs:
+            vector_env.close()
+
+    rates = [
+        vector_env.num_envs * SLICE_STEPS / median(spent_s)
+        for vector_env, spent_s in zip(vector_envs, wall_s, strict=True)
+    ]
+    return {"async_steps_per_s": rates}
 
 
-def _made() -> gym.Env[Any, Any]:
-    """What a worker steps; in its own process, so it registers the ids itself."""
+def _make_worker_env() -> gym.Env[Any, Any]:
+    """The environment of a worker; the prefix of the id makes its process register the ids."""
     return gym.make("sjasim_envs:sjasim/Dance-v0", **OPTIONS)
 
 
-def _wait(crew: AsyncVectorEnv, steps: int) -> float:
-    """Wall time of some steps [s]; the robot stands."""
-    begin = time.perf_counter()
+def _step(vector_env: AsyncVectorEnv, steps: int) -> float:
+    """Make some steps in which the robots stand; returns the wall time [s]."""
+    start_s = time.perf_counter()
     for _ in range(steps):
-        crew.step([0] * crew.num_envs)
-    return time.perf_counter() - begin
+        vector_env.step([0] * vector_env.num_envs)
+    return time.perf_counter() - start_s

@@ -1,11 +1,11 @@
-"""The reward: how well each of the robot's events fell together with the dancers', and what it did besides."""
+"""The reward: timing of the robot's events relative to the dancers, and costs of errors, collisions and drift."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from gymnasium import error
@@ -14,19 +14,22 @@ from sjasim.analysis.group_metrics import group_metrics
 from sjasim.anticipation.event_history import nominal_times
 from sjasim.anticipation.observation import iteration_at
 from sjasim.anticipation.timing_appropriateness import ideal_times
-from sjasim.core import Array, Event, Kind
+from sjasim.core import Event, Kind
 from sjasim.core.session_log import AgentEvent
 from sjasim.session.session import Session
 from sjasim.simulation.physics import Physics
 
-NOTHING = dict.fromkeys([f"reward_{term}" for term in ("timing", "missed", "spurious", "collision", "drift")], 0.0)
-"""What a step earns in which nothing happens, by the names that ``info`` uses."""
+TERMS = ("timing", "missed", "spurious", "collision", "drift")
+"""Terms of the reward; ``info`` has each of them as ``reward_TERM``."""
 
-SETTLED_S = 0.5
-"""How long after a window's end an iteration is settled: by then every event of it has arrived."""
+ZERO_TERMS = dict.fromkeys([f"reward_{term}" for term in TERMS], 0.0)
+"""The terms of a step in which nothing happens."""
 
-LOOK_S = 0.1
-"""How often it is looked where the robot is and whom it touches; each look stands for the time since the last."""
+ARRIVAL_MARGIN_S = 0.5
+"""Time after an iteration's window at which the iteration is closed [s]; all its events have arrived by then."""
+
+CHECK_INTERVAL_S = 0.1
+"""Time between two checks for collisions and drift [s]. Each check stands for the time since the last one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,14 +37,14 @@ class RewardConfig:
     """Weights of the reward.
 
     Attributes:
-        timing: of an event exactly at the dancers' mean; it falls by as much for every second beside it.
-        worst_s: error beyond which an event is not worth less.
+        timing: reward of an event exactly at the dancers' mean time; it decreases by as much for every second of error.
+        worst_s: error from which on the reward does not decrease further.
         missed: cost of a step that the robot did not dance.
-        spurious: cost of an event that belongs to no step, or to one that is done.
-        collision: cost of every second in touch with a dancer.
-        drift: cost of every second and metre outside its lane.
-        lane_m: half the width of the lane, which is the way of a move ahead of the robot's slot.
-        worst_m: distance outside it beyond which a place does not cost more.
+        spurious: cost of an event without a step, or of a second event for a step.
+        collision: cost of every second of contact with a dancer.
+        drift: cost of every second and metre outside the lane.
+        lane_m: half the width of the lane, which extends from the robot's slot over the length of a move.
+        worst_m: distance outside the lane from which on the cost does not increase further.
     """
 
     timing: float = 1.0
@@ -54,179 +57,206 @@ class RewardConfig:
     worst_m: float = 1.0
 
     @classmethod
-    def of(cls, given: Mapping[str, float]) -> RewardConfig:
-        """Weights from plain numbers.
+    def from_mapping(cls, weights: Mapping[str, float]) -> RewardConfig:
+        """Make the configuration from some weights by name; the others have their defaults.
 
         Raises:
-            error.Error: a weight that does not exist, or one that is not a number from 0 to 1000.
+            error.Error: a weight does not exist, or is not a number from 0 to 1000.
         """
         known = [item.name for item in dataclasses.fields(cls)]
-        if not isinstance(given, Mapping):
-            raise error.Error(f"reward = {given!r} is not allowed: weights by name, of {', '.join(known)}")
-        for name, value in given.items():
+        if not isinstance(weights, Mapping):
+            raise error.Error(f"reward = {weights!r} is not allowed: weights by name, of {', '.join(known)}")
+        for name, value in weights.items():
             if name not in known:
                 raise error.Error(f"reward.{name}: no such weight; known are {', '.join(known)}")
             number = isinstance(value, int | float) and not isinstance(value, bool)
             if not number or not 0.0 <= value <= 1000.0:
                 raise error.Error(f"reward.{name} = {value!r} is not allowed: a number from 0 to 1000")
-        return cls(**given)
+        return cls(**weights)
 
 
-@dataclass(slots=True)
 class Scorer:
-    """Adds up the terms of one session, step by step.
+    """Computes the reward of a session, step by step of the environment.
 
-    A step's timing is paid once the robot and all dancers have done it, else when its iteration is settled: the
-    distance from the mean of the dancers' logged times, as timing appropriateness has it. The first robot event that
-    is nearest to a step counts for it; every further one is spurious, and so is every one in the rehearsal.
-
-    Attributes:
-        session: what is judged.
-        physics: its bodies.
-        config: the weights.
-        terms: what the last step earned, named as in `NOTHING`.
-    """
-
-    session: Session
-    physics: Physics
-    config: RewardConfig
-    terms: dict[str, float] = field(default_factory=NOTHING.copy)
-    _told: int = 0
-    _danced: int = 0
-    _iteration: int = 1
-    _looked_s: float = field(init=False)
-    _settled_s: float = field(init=False)
-    _until_s: float = -math.inf
-    _ahead: tuple[float, float] = (0.0, 1.0)
-    _slot: tuple[float, float] = field(init=False)
-    _expected: Array = field(init=False)
-    _dancers: Array = field(init=False)
-    _robot: Array = field(init=False)
-    _paid: Array = field(init=False)
-    _ordinals: dict[Kind, list[int]] = field(init=False)
-
-    def __post_init__(self) -> None:
-        context = self.session.context
-        self._expected = np.array([nominal_times(context, iteration) for iteration in range(context.iterations + 1)])
-        count = context.iterations + 1, len(context.steps)
-        self._dancers = np.full((count[0], len(context.cast), count[1]), np.nan)
-        self._robot = np.full(count, np.nan)
-        self._paid = np.zeros(count, dtype=bool)
-        self._ordinals = {}
-        for step in context.steps:
-            self._ordinals.setdefault(step.kind, []).append(step.ordinal)
-        self._settled_s = context.window_end_s[1] + SETTLED_S
-        self._slot = float(self.session.layout.robot[0]), float(self.session.layout.robot[1])
-        self._looked_s = self.session.time_s
-
-    def update(self, now: float) -> dict[str, object]:
-        """Judge everything since the last time until now, a session time; `terms` holds what it earned.
-
-        Returns:
-            the figures of an iteration that has been settled meanwhile, else nothing.
-        """
-        session = self.session
-        self.terms = NOTHING.copy()
-        if len(session.events) > self._told:
-            for event in session.events[self._told :]:
-                self._hear(event)
-            self._told = len(session.events)
-        danced = session.world.robot_events
-        if len(danced) > self._danced:
-            for own in danced[self._danced :]:
-                self._see(own)
-            self._danced = len(danced)
-        if now >= self._looked_s + LOOK_S - 1e-9:
-            self._look(now, now - self._looked_s)
-            self._looked_s = now
-        return self._settle() if now >= self._settled_s else {}
-
-    def _step(self, iteration: int, kind: Kind, after_s: float) -> int | None:
-        """The step of this kind that is expected nearest to a time after an iteration's beat 0."""
-        ordinals = self._ordinals.get(Kind.CLAP if kind is Kind.TURN else kind)
-        return min(ordinals, key=lambda k: abs(self._expected[iteration, k] - after_s)) if ordinals else None
-
-    def _hear(self, event: Event) -> None:
-        context = self.session.context
-        if event.early or event.person not in context.cast or not 1 <= event.iteration <= context.iterations:
-            return
-        after = event.t_s - context.iteration_start_s[event.iteration]
-        step = self._step(event.iteration, event.kind, after)
-        if step is None:
-            return
-        place = event.iteration, context.cast.index(event.person), step
-        expected = self._expected[event.iteration, step]
-        if not abs(self._dancers[place] - expected) <= abs(after - expected):
-            self._dancers[place] = after
-        self._pay_if_known(event.iteration, step)
-
-    def _see(self, own: AgentEvent) -> None:
-        context = self.session.context
-        step = None
-        if 1 <= own.iteration <= context.iterations:
-            after = own.t_s - context.iteration_start_s[own.iteration]
-            step = self._step(own.iteration, own.kind, after)
-        if step is None or self._paid[own.iteration, step] or np.isfinite(self._robot[own.iteration, step]):
-            self.terms["reward_spurious"] -= self.config.spurious
-            return
-        self._robot[own.iteration, step] = after
-        self._pay_if_known(own.iteration, step)
-
-    def _pay_if_known(self, iteration: int, step: int) -> None:
-        known = np.isfinite(self._robot[iteration, step]) and np.isfinite(self._dancers[iteration, :, step]).all()
-        if known and not self._paid[iteration, step]:
-            self._pay(iteration, step)
-
-    def _pay(self, iteration: int, step: int) -> None:
-        self._paid[iteration, step] = True
-        ideal = float(ideal_times(self._dancers[iteration, :, step : step + 1])[0])
-        off = abs(float(self._robot[iteration, step]) - ideal)
-        if math.isfinite(off):
-            self.terms["reward_timing"] += self.config.timing * (1.0 - min(off, self.config.worst_s))
-
-    def _settle(self) -> dict[str, object]:
-        """Close the books of the iteration whose time has come."""
-        iteration, ends_s = self._iteration, self.session.context.window_end_s
-        self._iteration += 1
-        self._settled_s = ends_s[self._iteration] + SETTLED_S if self._iteration < len(ends_s) else math.inf
-        for step in np.flatnonzero(~self._paid[iteration]).tolist():
-            if np.isfinite(self._robot[iteration, step]):
-                self._pay(iteration, step)
-            else:
-                self._paid[iteration, step] = True
-                self.terms["reward_missed"] -= self.config.missed
-        return figures(self.session, iteration)
-
-    def _look(self, now: float, interval_s: float) -> None:
-        """Judge where the robot is, and whom it touches."""
-        config, physics = self.config, self.physics
-        if physics.contacts.robot_touches_dancer():
-            self.terms["reward_collision"] -= config.collision * interval_s
-        if now > self._until_s:
-            self._face(now)
-        x, y, _ = physics.robot_pose()
-        x, y = x - self._slot[0], y - self._slot[1]
-        cos, sin = self._ahead
-        ahead, aside = x * cos + y * sin, y * cos - x * sin
-        beyond = ahead - min(max(ahead, 0.0), self.session.config.dance.step_m)
-        outside = min(math.hypot(beyond, aside) - config.lane_m, config.worst_m)
-        if outside > 0.0:
-            self.terms["reward_drift"] -= config.drift * outside * interval_s
-
-    def _face(self, now: float) -> None:
-        """The lane runs along the heading of the iteration whose window is open."""
-        session, iteration = self.session, iteration_at(self.session.context, now)
-        heading = session.timetable.heading_rad(max(iteration, 1))
-        self._ahead = math.cos(heading), math.sin(heading)
-        self._until_s = session.context.window_end_s[iteration] if iteration < session.context.iterations else math.inf
-
-
-def figures(session: Session, iteration: int) -> dict[str, object]:
-    """What ``info`` holds of an iteration that is over; the same figures that session.json has.
+    The timing of a step of the score is rewarded once the robot and all dancers have danced it, or when its iteration
+    is closed. The error is the distance from the mean of the dancers' logged times, as in timing appropriateness. The
+    first robot event that is nearest to a step counts for it. Every further one is spurious, and so is every robot
+    event of the rehearsal.
 
     Args:
-        session: the dance so far.
-        iteration: which, from 1.
+        session: the session to score.
+        physics: its physics.
+        config: weights of the reward.
+
+    Attributes:
+        terms: terms of the last update, named as in `ZERO_TERMS`.
+    """
+
+    def __init__(self, session: Session, physics: Physics, config: RewardConfig) -> None:
+        self._session = session
+        self._physics = physics
+        self._config = config
+        self.terms = ZERO_TERMS.copy()
+
+        # Times after beat 0 of the iteration [s], by iteration and step; NaN where nothing has been seen yet.
+        context = session.context
+        shape = (context.iterations + 1, len(context.steps))
+        self._expected_s = np.array([nominal_times(context, iteration) for iteration in range(shape[0])])
+        self._dancers_s = np.full((shape[0], len(context.cast), shape[1]), np.nan)
+        self._robot_s = np.full(shape, np.nan)
+        self._scored = np.zeros(shape, dtype=bool)
+        self._ordinals: dict[Kind, list[int]] = {}
+        for step in context.steps:
+            self._ordinals.setdefault(step.kind, []).append(step.ordinal)
+
+        self._event_count = 0
+        self._robot_event_count = 0
+        self._open_iteration = 1
+        self._close_due_s = context.window_end_s[1] + ARRIVAL_MARGIN_S
+
+        self._slot_x_m = float(session.layout.robot[0])
+        self._slot_y_m = float(session.layout.robot[1])
+        self._checked_s = session.time_s
+        self._lane_direction = (0.0, 1.0)
+        self._lane_until_s = -math.inf
+
+    def update(self, now: float) -> dict[str, object]:
+        """Compute the terms of the time since the last update.
+
+        Args:
+            now: session time [s].
+
+        Returns:
+            the figures of an iteration that has been closed meanwhile, see `iteration_figures`; else an empty
+            dictionary.
+        """
+        session = self._session
+        self.terms = ZERO_TERMS.copy()
+        if len(session.events) > self._event_count:
+            for event in session.events[self._event_count :]:
+                self._add_dancer_event(event)
+            self._event_count = len(session.events)
+
+        robot_events = session.world.robot_events
+        if len(robot_events) > self._robot_event_count:
+            for robot_event in robot_events[self._robot_event_count :]:
+                self._add_robot_event(robot_event)
+            self._robot_event_count = len(robot_events)
+
+        if now >= self._checked_s + CHECK_INTERVAL_S - 1e-9:
+            self._check_robot(now, now - self._checked_s)
+            self._checked_s = now
+        return self._close_iteration() if now >= self._close_due_s else {}
+
+    def _nearest_step(self, iteration: int, kind: Kind, after_s: float) -> int | None:
+        """The step of a kind that is expected nearest to a time after beat 0 [s]; None if no step has this kind."""
+        ordinals = self._ordinals.get(Kind.CLAP if kind is Kind.TURN else kind)
+        if not ordinals:
+            return None
+        return min(ordinals, key=lambda ordinal: abs(self._expected_s[iteration, ordinal] - after_s))
+
+    def _add_dancer_event(self, event: Event) -> None:
+        """Assign a regular event of a dancer to a step, and score the step if it is complete."""
+        context = self._session.context
+        if event.early or event.person not in context.cast or not 1 <= event.iteration <= context.iterations:
+            return
+        after_s = event.t_s - context.iteration_start_s[event.iteration]
+        step = self._nearest_step(event.iteration, event.kind, after_s)
+        if step is None:
+            return
+
+        # Of several events the one nearest to the expected time counts. NaN, for none so far, compares as False.
+        place = (event.iteration, context.cast.index(event.person), step)
+        expected_s = self._expected_s[event.iteration, step]
+        if not abs(self._dancers_s[place] - expected_s) <= abs(after_s - expected_s):
+            self._dancers_s[place] = after_s
+        self._score_if_complete(event.iteration, step)
+
+    def _add_robot_event(self, event: AgentEvent) -> None:
+        """Assign an event of the robot to a step, or charge it as spurious."""
+        context = self._session.context
+        iteration = event.iteration
+        step = None
+        if 1 <= iteration <= context.iterations:
+            after_s = event.t_s - context.iteration_start_s[iteration]
+            step = self._nearest_step(iteration, event.kind, after_s)
+
+        if step is None or self._scored[iteration, step] or np.isfinite(self._robot_s[iteration, step]):
+            self.terms["reward_spurious"] -= self._config.spurious
+            return
+        self._robot_s[iteration, step] = after_s
+        self._score_if_complete(iteration, step)
+
+    def _score_if_complete(self, iteration: int, step: int) -> None:
+        """Score a step that the robot and all dancers have danced, unless it has been scored."""
+        robot_known = np.isfinite(self._robot_s[iteration, step])
+        complete = robot_known and np.isfinite(self._dancers_s[iteration, :, step]).all()
+        if complete and not self._scored[iteration, step]:
+            self._score(iteration, step)
+
+    def _score(self, iteration: int, step: int) -> None:
+        """Reward the robot's timing of a step; a step that no dancer danced has no ideal time and earns nothing."""
+        self._scored[iteration, step] = True
+        ideal_s = float(ideal_times(self._dancers_s[iteration, :, step : step + 1])[0])
+        error_s = abs(float(self._robot_s[iteration, step]) - ideal_s)
+        if math.isfinite(error_s):
+            self.terms["reward_timing"] += self._config.timing * (1.0 - min(error_s, self._config.worst_s))
+
+    def _close_iteration(self) -> dict[str, object]:
+        """Score the remaining steps of the iteration, charge the missed ones, and return its figures."""
+        iteration = self._open_iteration
+        window_end_s = self._session.context.window_end_s
+        self._open_iteration += 1
+        last = self._open_iteration >= len(window_end_s)
+        self._close_due_s = math.inf if last else window_end_s[self._open_iteration] + ARRIVAL_MARGIN_S
+
+        for step in np.flatnonzero(~self._scored[iteration]).tolist():
+            if np.isfinite(self._robot_s[iteration, step]):
+                self._score(iteration, step)
+            else:
+                self._scored[iteration, step] = True
+                self.terms["reward_missed"] -= self._config.missed
+        return iteration_figures(self._session, iteration)
+
+    def _check_robot(self, now: float, interval_s: float) -> None:
+        """Charge contacts with dancers, and the distance from the lane."""
+        config = self._config
+        if self._physics.contacts.robot_touches_dancer():
+            self.terms["reward_collision"] -= config.collision * interval_s
+        if now > self._lane_until_s:
+            self._update_lane(now)
+
+        robot_x_m, robot_y_m, _ = self._physics.robot_pose()
+        x_m = robot_x_m - self._slot_x_m
+        y_m = robot_y_m - self._slot_y_m
+        cos, sin = self._lane_direction
+        along_m = x_m * cos + y_m * sin
+        across_m = y_m * cos - x_m * sin
+        beyond_m = along_m - min(max(along_m, 0.0), self._session.config.dance.step_m)
+        outside_m = min(math.hypot(beyond_m, across_m) - config.lane_m, config.worst_m)
+        if outside_m > 0.0:
+            self.terms["reward_drift"] -= config.drift * outside_m * interval_s
+
+    def _update_lane(self, now: float) -> None:
+        """Turn the lane to the heading of the present iteration."""
+        session = self._session
+        iteration = iteration_at(session.context, now)
+        heading_rad = session.timetable.heading_rad(max(iteration, 1))
+        self._lane_direction = (math.cos(heading_rad), math.sin(heading_rad))
+        last = iteration >= session.context.iterations
+        self._lane_until_s = math.inf if last else session.context.window_end_s[iteration]
+
+
+def iteration_figures(session: Session, iteration: int) -> dict[str, object]:
+    """Figures of a completed iteration for ``info``, equal to those of session.json.
+
+    Args:
+        session: the session so far.
+        iteration: number of the iteration, from 1.
+
+    Returns:
+        ``iteration_done``, ``gsi``, ``gsi_full_edges``, ``ta_mean_s`` (NaN if there is no value), ``event_errors_s``
+        (signed errors of the robot's steps, NaN for a missed one), and ``robot_missed``.
     """
     logged = [
         AgentEvent(event.iteration, event.person, event.kind, event.t_s)
@@ -234,15 +264,17 @@ def figures(session: Session, iteration: int) -> dict[str, object]:
         if not event.early and event.iteration <= iteration
     ]
     events = [*logged, *session.world.robot_events]
-    rows = group_metrics(events, session.config, session.timetable, session.followed, iteration)
-    row = rows[-1]
-    robot, dancers = row.steps_s[-1], row.steps_s[:-1]
+    row = group_metrics(events, session.config, session.timetable, session.followed, iteration)[-1]
+
+    # The robot is the last agent.
+    robot_s = row.steps_s[-1]
+    dancers_s = row.steps_s[:-1]
     finite = row.ta_s[np.isfinite(row.ta_s)]
     return {
         "iteration_done": iteration,
         "gsi": row.gsi,
         "gsi_full_edges": row.gsi_full_edges,
         "ta_mean_s": float(finite.mean()) if len(finite) else math.nan,
-        "event_errors_s": robot - ideal_times(dancers),
-        "robot_missed": int(np.isnan(robot).sum()),
+        "event_errors_s": robot_s - ideal_times(dancers_s),
+        "robot_missed": int(np.isnan(robot_s).sum()),
     }

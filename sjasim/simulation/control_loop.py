@@ -101,6 +101,6 @@ class RobotController:
         self._physics.drive(STOPPED if wheels_blocked else self._base.wheels)
 
         row = self._recorder.next_odometry_row()
-        self._recorder.odometry_rows[row, : STATE_WIDTH] = estimate[: STATE_WIDTH]
-        self._recorder.odometry_rows[row, STATE_WIDTH :] = self._physics.robot_pose()
+        self._recorder.odometry_rows[row, :STATE_WIDTH] = estimate[:STATE_WIDTH]
+        self._recorder.odometry_rows[row, STATE_WIDTH:] = self._physics.robot_pose()
         return self._detector.event(event) if event else None

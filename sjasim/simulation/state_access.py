@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import NamedTuple
 
 import mujoco
@@ -26,9 +27,28 @@ from ..humans.body.body_model import BodyModel
 LOGGED_JOINTS = [JOINT_INDEX[name] for name in ("AnkleLeft", "AnkleRight", "HandLeft", "HandRight")]
 """Joints whose positions are part of a dancer's state, in the order of `StateColumn`."""
 
-PELVIS, ROOT_BODY, END_BODY, ROOT_QPOS, ROOT_DOF, SITES, TETHER, KERNEL_COLUMNS = 0, 1, 2, 3, 9, 15, 19, 24
-"""First columns of `DancerIndices.kernel`: pelvis, root body, and the body after the dancer's last one; coordinates and
-degrees of freedom of the root (6 each); sites of `LOGGED_JOINTS` (4); tether actuators (5, -1 without a tether)."""
+
+class IndexColumn(IntEnum):
+    """First column of each part of `DancerIndices.kernel`."""
+
+    PELVIS = 0
+    """Body of the pelvis."""
+    ROOT_BODY = 1
+    """Root of the dancer's kinematic tree."""
+    END_BODY = 2
+    """Body after the dancer's last one."""
+    ROOT_QPOS = 3
+    """Coordinates of the root (6)."""
+    ROOT_DOF = 9
+    """Degrees of freedom of the root (6)."""
+    SITES = 15
+    """Sites of `LOGGED_JOINTS` (4)."""
+    TETHER = 19
+    """Actuators of the balance support (5); -1 without one."""
+
+
+INDEX_WIDTH = 24
+"""Number of columns of `DancerIndices.kernel`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +65,7 @@ class DancerIndices:
         leading_actuators: (D, 25) actuators that stand for the planned hinges, see `BodyModel.leading`.
         tether_actuators: (D, 5) actuators of the balance support; (0, 5) without one.
         geom_owner: (all geoms,) dancer of each geom, -1 for floor and robot.
-        kernel: (D, `KERNEL_COLUMNS`) the rows that `read_dancer_states` takes.
+        kernel: (D, `INDEX_WIDTH`) the rows that `read_dancer_states` takes.
     """
 
     pelvis: IntArray
@@ -70,15 +90,15 @@ class DancerIndices:
         hinge_qpos = np.array([[model.joint(p + name).qposadr[0] for name in body.hinges] for p in prefixes])
         tether = _ids(model.actuator, prefixes if tethered else [], TETHERED).reshape(-1, len(TETHERED))
 
-        kernel = np.full((dancers, KERNEL_COLUMNS), -1, dtype=np.int64)
-        kernel[:, PELVIS] = pelvis
-        kernel[:, ROOT_BODY] = model.body_rootid[pelvis]
-        kernel[:, END_BODY] = [_end_of_subtree(model, body_id) for body_id in pelvis]
-        kernel[:, ROOT_QPOS:ROOT_DOF] = root_qpos
-        kernel[:, ROOT_DOF:SITES] = root_dof
-        kernel[:, SITES:TETHER] = joint_sites[:, LOGGED_JOINTS]
+        kernel = np.full((dancers, INDEX_WIDTH), -1, dtype=np.int64)
+        kernel[:, IndexColumn.PELVIS] = pelvis
+        kernel[:, IndexColumn.ROOT_BODY] = model.body_rootid[pelvis]
+        kernel[:, IndexColumn.END_BODY] = [_end_of_subtree(model, body_id) for body_id in pelvis]
+        kernel[:, IndexColumn.ROOT_QPOS : IndexColumn.ROOT_DOF] = root_qpos
+        kernel[:, IndexColumn.ROOT_DOF : IndexColumn.SITES] = root_dof
+        kernel[:, IndexColumn.SITES : IndexColumn.TETHER] = joint_sites[:, LOGGED_JOINTS]
         if tethered:
-            kernel[:, TETHER:] = tether
+            kernel[:, IndexColumn.TETHER :] = tether
 
         names = [model.geom(geom).name for geom in range(model.ngeom)]
         geom_owner = np.full(model.ngeom, -1, dtype=np.int64)
@@ -203,14 +223,14 @@ def read_dancer_states(
         masses: (B + D,) masses of the bodies, then of the dancers [kg].
         parents: (B,) parent of each body.
         load: (D,) what the floor carries of each dancer [N].
-        indices: (D, `KERNEL_COLUMNS`) see `DancerIndices.kernel`.
+        indices: (D, `INDEX_WIDTH`) see `DancerIndices.kernel`.
         momentum: (B, 3) work space.
         out: (D, `DANCER_STATE_WIDTH`) output, see `StateColumn`.
     """
     for d in range(len(indices)):
-        pelvis = indices[d, PELVIS]
-        root = indices[d, ROOT_BODY]
-        end = indices[d, END_BODY]
+        pelvis = indices[d, IndexColumn.PELVIS]
+        root = indices[d, IndexColumn.ROOT_BODY]
+        end = indices[d, IndexColumn.END_BODY]
 
         # Linear momentum of each body, summed from the leaves to the pelvis in MuJoCo's own order.
         for b in range(pelvis, end):
@@ -229,11 +249,11 @@ def read_dancer_states(
             out[d, StateColumn.COM + k] = subtree_com[pelvis, k]
             out[d, StateColumn.COM_VELOCITY + k] = momentum[pelvis, k] * inverse_mass
             for site in range(4):
-                out[d, StateColumn.ANKLES + 3 * site + k] = site_xpos[indices[d, SITES + site], k]
+                out[d, StateColumn.ANKLES + 3 * site + k] = site_xpos[indices[d, IndexColumn.SITES + site], k]
         for k in range(6):
-            out[d, StateColumn.ROOT + k] = qpos[indices[d, ROOT_QPOS + k]]
-            out[d, StateColumn.ROOT_VELOCITY + k] = qvel[indices[d, ROOT_DOF + k]]
+            out[d, StateColumn.ROOT + k] = qpos[indices[d, IndexColumn.ROOT_QPOS + k]]
+            out[d, StateColumn.ROOT_VELOCITY + k] = qvel[indices[d, IndexColumn.ROOT_DOF + k]]
         for k in range(5):
-            actuator = indices[d, TETHER + k]
+            actuator = indices[d, IndexColumn.TETHER + k]
             out[d, StateColumn.TETHER + k] = actuator_force[actuator] if actuator >= 0 else 0.0
         out[d, StateColumn.LOAD] = load[d]

@@ -44,7 +44,7 @@ class Story:
             context=MethodContext(CAST, STEPS, 2, 60 / 118, starts, ends), config=CONFIG, timetable=TABLE, layout=room,
             events=[], followed=[], world=SimpleNamespace(robot_events=[]), time_s=starts[1],
         )  # fmt: skip
-        self.scorer = Scorer(self.session, physics, RewardConfig.of(weights))
+        self.scorer = Scorer(self.session, physics, RewardConfig.from_mapping(weights))
 
     def dancers(self, late_s=(0.0, 0.0, 0.0), step=0, iteration=1, early=False):
         for person, late in zip(CAST, late_s, strict=True):
@@ -128,7 +128,7 @@ def test_touching_and_leaving_the_lane_cost_by_the_second():
 def test_weights_are_checked():
     for given in ({"timing": -1.0}, {"worst_s": "2"}, {"bonus": 1.0}, {"missed": True}):
         with pytest.raises(error.Error, match=f"reward.{next(iter(given))}"):
-            RewardConfig.of(given)
+            RewardConfig.from_mapping(given)
 
 
 GROUPS = (0, 6101, 6102, 6103)
