@@ -8,8 +8,8 @@ import gymnasium as gym
 import numpy as np
 from gymnasium import error, spaces
 
-from sjasim.anticipation.step_selection import StepSelector
 from sjasim.anticipation.observation import Row
+from sjasim.anticipation.step_selection import StepSelector
 from sjasim.session.session import Session
 
 PARTS = ("beat", "command", "event_age", "iteration", "last_iteration")
