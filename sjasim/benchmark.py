@@ -36,6 +36,7 @@ class Options:
 def command(arguments: Sequence[str], program: str = "python -m sjasim.benchmark") -> None:
     """Measure, and print the figures."""
     options = parse(Options, arguments, None, program, ABOUT)
+    # Imported only now: the help needs neither MuJoCo nor Gymnasium.
     from sjasim_envs.profiling import profile_env, profile_workers
 
     from .simulation.profiling import profile, profile_depth

@@ -51,6 +51,7 @@ class Flags(Generic[T]):
         self._omitted = tuple(omitted)
         self._tables = dict(tables or {})
         rows = self._rows(options, default)
+        # The sort is stable: fields that are not named keep their order.
         rows.sort(key=lambda row: first.index(row[0]) if row[0] in first else len(first))
         self.parsed_type = _make(options.__name__, rows)
         """The dataclass for tyro."""
@@ -77,6 +78,7 @@ class Flags(Generic[T]):
 
             if field.name in self._tables:
                 table = self._tables[field.name]
+                # A copy of the dataclass: its own checks run, guarded, where the plug-in is made.
                 group = _make(table.__name__, _table_rows(table, value))
                 rows.append((field.name, Annotated[group, tyro.conf.arg(help=text)], dataclasses.MISSING))
             elif dataclasses.is_dataclass(hint) and INLINE in extras:
@@ -128,7 +130,7 @@ def attribute_texts(options: type) -> dict[str, str]:
         words = line.strip()
 
         if words in ("Attributes:", "Args:"):
-            indent = None
+            indent = None  # that of the first field decides
             field = "start"
         elif not field or not words:
             continue
@@ -139,7 +141,7 @@ def attribute_texts(options: type) -> dict[str, str]:
             name, _, text = words.partition(":")
             field = name.partition(" ")[0]
             texts[field] = text.strip()
-        else:
+        else:  # a deeper line continues the text of the field
             texts[field] = f"{texts[field]} {words}".strip()
     return {name: text.replace("`", "") for name, text in texts.items()}
 
@@ -149,6 +151,7 @@ def _make(name: str, rows: Sequence[tuple[str, Any, Any]]) -> type:
     fields = []
     for field, hint, default in rows:
         group = _split(hint)[0]
+        # A group has a default only if each of its fields has one.
         if dataclasses.is_dataclass(group):
             needed = any(
                 item.default is dataclasses.MISSING and item.default_factory is dataclasses.MISSING
@@ -188,6 +191,7 @@ def _plug_in_fields(table: type) -> list[tuple[dataclasses.Field[Any], Any]]:
     for field in dataclasses.fields(table):
         value = _value(field, None)
         hint = hints.get(field.name)
+        # tyro refuses a default that does not fit the annotation, so that one is widened.
         if value is None:
             hint = SCALAR | None
         elif hint not in (float, int, bool, str) and get_origin(hint) is not Literal:
@@ -215,6 +219,7 @@ def _annotated(hint: Any, extras: Sequence[Any], default: object, text: str) -> 
     else:
         settings["help_behavior_hint"] = _hint_of_default(default)
 
+    # A user cannot type None, so the metavar does not offer it.
     kinds = [kind for kind in get_args(hint) if kind is not type(None)]
     optional = get_origin(hint) in (Union, types.UnionType) and len(kinds) == 1
     own_metavar = [item for item in extras if isinstance(item, Metavar)]

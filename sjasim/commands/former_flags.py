@@ -40,6 +40,7 @@ def _present_flag(flag: str, method: str) -> str:
     field = flag.removeprefix("--").replace("-", "_")
     present = RENAMED_SIA_OPTIONS.get(field, field) if method == "sia" else field
     present = present_name(present)
+    # A flag that has not been renamed stays as it was typed, with underscores or hyphens.
     return flag if present == field else f"--{present.replace('_', '-')}"
 
 
@@ -55,8 +56,9 @@ def _one_flag_each(arguments: Sequence[str], renamed: dict[str, str], method: st
             continue
 
         while len(words) >= 2 and not words[0].startswith("--"):
-            name, value = words.pop(0), words.pop(0)
+            name = words.pop(0)
+            value = words.pop(0)
             flag = _present_flag(f"{METHOD_OPTIONS}.{name.replace('_', '-')}", method)
             renamed[f"{METHOD_OPTIONS} {name}"] = flag
-            out.append(f"{flag}={value}")
+            out.append(f"{flag}={value}")  # in one word, as the value may be a negative number
     return out

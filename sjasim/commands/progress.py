@@ -48,6 +48,7 @@ class LineProgress:
 
     def simulating(self, share: float) -> None:
         """See `ProgressReporter`."""
+        # The first call only starts the clock, so that a short session prints nothing.
         if self._printed_s == math.inf:
             self._printed_s = time.monotonic()
         self._print(f"{self._what}: {100.0 * share:.0f} %")

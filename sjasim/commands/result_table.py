@@ -64,7 +64,7 @@ def remarks(summary: Mapping[str, Any]) -> list[str]:
     ]
 
     robot = summary["robot"]
-    if robot["commands"]:
+    if robot["commands"]:  # none in a session without a robot
         lines.append(
             f"robot: {robot['commands']} commands, {_number(robot['executed'])} of them executed, "
             f"ended {_number(robot['end_distance_m'], 2)} m from its slot"
@@ -73,6 +73,7 @@ def remarks(summary: Mapping[str, Any]) -> list[str]:
     latencies = summary["net_latency_s"]
     if latencies:
         count = sum(item["n"] for item in latencies.values())
+        # The mean over all events: each kind counts as often as it happened.
         mean_s = sum(item["mean"] * item["n"] for item in latencies.values()) / count
         by_kind = ", ".join(f"{kind} {item['mean']:+.2f}" for kind, item in latencies.items())
         lines.append(f"net latency: {mean_s:+.2f} s ({by_kind})")

@@ -51,6 +51,7 @@ def parse_session(
         UsageError: an argument is unknown or malformed.
         ConfigError: the file cannot be read, or a value is not allowed.
     """
+    # The file and the method decide which flags there are, so both are read before the command line is parsed.
     base = config_from(arguments)
     method = value_of("method", arguments) or base.method
     default = options(base)

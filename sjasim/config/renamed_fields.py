@@ -72,6 +72,7 @@ def with_present_names(data: Mapping[str, object]) -> tuple[dict[str, object], d
     renamed: dict[str, str] = {}
     for name, value in _flat(data):
         present = present_name(name)
+        # A plug-in may have options of its own with these names.
         if data.get("method", "sia") == "sia":
             present = RENAMED_SIA_OPTIONS.get(name, present)
         if present != name:

@@ -51,5 +51,6 @@ class SensorConfig:
         within("sensors.min_range_m", self.min_range_m, 0.0, 2.0)
         within("sensors.max_range_m", self.max_range_m, 2.0, 20.0)
         within("sensors.frame_loss", self.frame_loss, 0.0, 0.9)
+        # The full image of a Kinect v2, or every second pixel of it.
         if self.width_px not in (256, 512):
             raise ConfigError("sensors.width_px", self.width_px, "256 or 512")

@@ -101,6 +101,7 @@ def private_folder(folder: Path) -> Path:
     Raises:
         OSError: no folder can be made.
     """
+    # The mode is given to mkdir itself: between a mkdir and a chmod others could write to the folder.
     with contextlib.suppress(FileExistsError):
         folder.mkdir(mode=0o700)
 

@@ -94,6 +94,7 @@ def table_rows(report: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
 def import_time_s(times: int = 3) -> float:
     """Shortest of some ``import sjasim``, each in a process of its own [s]."""
     probe = "import time; t = time.perf_counter(); import sjasim; print(time.perf_counter() - t)"
+    # A module is imported once in a process, so each measurement needs a process of its own.
     runs = [subprocess.run([sys.executable, "-c", probe], capture_output=True, check=True) for _ in range(times)]
     return min(float(run.stdout) for run in runs)
 

@@ -57,6 +57,7 @@ def recorded_session(config: SessionConfig, outputs: SessionOutputs) -> Iterator
     with contextlib.ExitStack() as closing:
         observers = SessionObservers(closing, view=outputs.view, video=outputs.video, log_depth=outputs.log_depth)
         log = observers.with_depth(_simulate(config, observers))
+        # The caller prints the figures before the viewer is waited for.
         yield _write_outputs(log, outputs, observers)
         observers.wait_until_closed()
 
