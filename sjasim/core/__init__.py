@@ -19,7 +19,7 @@ from .messages import (
     SyncReply,
     SyncRequest,
 )
-from .robot import MoveCommand, RobotState, WheelCommand, WheelReading
+from .robot_messages import MoveCommand, RobotState, WheelCommand, WheelReading
 from .vocabulary import (
     INFERRED,
     NOT_TRACKED,

@@ -11,8 +11,8 @@ from ..robot.base_controller import BaseController, update_drive
 from ..robot.diff_drive import Pose
 from ..robot.event_detector import RobotEventDetector, detect_event
 from ..robot.odometry import STATE_WIDTH, Odometry, update_estimate
+from .ground_truth_recorder import GroundTruthRecorder
 from .physics import Physics
-from .recorder import GroundTruthRecorder
 
 STOPPED = WheelCommand(0.0, 0.0)
 

@@ -18,15 +18,15 @@ from ..core.session_log import AgentEvent, Notice
 from ..humans.body.body_model import body_model
 from ..humans.motion.balance_controller import BalanceController
 from ..humans.motion.reference_trajectory import ReferenceTrajectory
-from ..sensors.client import ROUNDING_S, SensorClient
+from ..sensors.sensor_client import ROUNDING_S, SensorClient
 from ..sensors.skeleton_source import SkeletonSource
 from ..session.session import Session
 from ..session.world import DownlinkMessage, UplinkMessage
 from .cast import sample_build
 from .control_loop import STOPPED, DancerController, RobotController
+from .ground_truth_recorder import GroundTruthRecorder
 from .motion_scheduler import MotionScheduler
 from .physics import Physics
-from .recorder import GroundTruthRecorder
 
 FALLEN_SHARE = 0.65
 """A dancer has fallen when the pelvis is below this share of its standing height."""

@@ -97,6 +97,7 @@ def _add_textures(spec: mujoco.MjSpec) -> None:
         rgb1=SKY_COLOURS[0],
         rgb2=SKY_COLOURS[1],
     )
+
     spec.add_texture(
         name="floor",
         type=mujoco.mjtTexture.mjTEXTURE_2D,

@@ -53,7 +53,11 @@ def test_its_rendering_passes_too(monkeypatch):
     monkeypatch.setitem(DanceEnv.metadata, "render_modes", ["rgb_array"])  # a window is refused without a display
     env = pictured(gym.make("sjasim/Dance-v0", render_mode="rgb_array", width=64, height=48, **FAST))
     check_env(env.unwrapped)
+    env.reset(seed=0)
+    picture = env.render()
     env.close()
+    assert picture.shape == (48, 64, 3)
+    assert picture.std() > 0
 
 
 def test_importing_sjasim_registers_the_ids_and_loads_nothing_heavy():

@@ -21,8 +21,8 @@ from sjasim.humans.motion.balance_controller import BalanceController, BalanceGa
 from sjasim.humans.motion.planner import Planner
 from sjasim.humans.motion.reference_trajectory import ReferenceTrajectory
 from sjasim.simulation.control_loop import DancerController
+from sjasim.simulation.ground_truth_recorder import GroundTruthRecorder
 from sjasim.simulation.physics import Physics
-from sjasim.simulation.recorder import GroundTruthRecorder
 
 HZ = PhysicsConfig().control_hz
 TICKS = PhysicsConfig().rate_hz // HZ

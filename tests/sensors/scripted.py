@@ -13,10 +13,10 @@ from sjasim.choreography.layout import Mount, layout
 from sjasim.config import DetectorConfig, JointNoiseConfig, SensorConfig, SessionConfig
 from sjasim.core import ClientOrder, DeviceEvent, Kind, Solids
 from sjasim.core.clock import DeviceClock, stream
-from sjasim.sensors.client import SensorClient
 from sjasim.sensors.joint_sensing import JointSensing
 from sjasim.sensors.raycast.occlusion import bounding_shapes
 from sjasim.sensors.raycast.primitives import SPHERE
+from sjasim.sensors.sensor_client import SensorClient
 
 ONSET_M_S = 0.10
 """Speed at which a true move starts and stops."""

@@ -9,7 +9,7 @@ from sjasim.assets.names import JOINT_INDEX
 from sjasim.choreography.layout import Mount
 from sjasim.core import Skeletons
 from sjasim.core.bodies import DANCER_STATE_WIDTH, StateColumn
-from sjasim.simulation.recorder import ODOMETRY_COLUMNS, TRUTH_COLUMNS, GroundTruthRecorder
+from sjasim.simulation.ground_truth_recorder import ODOMETRY_COLUMNS, TRUTH_COLUMNS, GroundTruthRecorder
 
 WEIGHTS_N = np.array([700.0, 650.0])
 TICKS = 10
