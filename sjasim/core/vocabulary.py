@@ -35,7 +35,7 @@ class Move(StrEnum):
 class Kind(StrEnum):
     """Kinds of events that sensors detect. The robot's turn counts as its clap in every synchrony measure.
 
-    Source: iqbal2016, section IV-B.
+    Source: iqbal2016, section II-B for the human events.
     """
 
     START_FORWARD = "start_forward"
