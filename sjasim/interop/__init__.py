@@ -1,1 +1,1 @@
-"""Bridges to other simulation packages; nothing else in sjasim needs them."""
+"""Interfaces to other simulation packages; the rest of sjasim does not need them."""

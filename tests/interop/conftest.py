@@ -1,3 +1,3 @@
-"""Registers the ids; from a clone that is not installed it also puts their package on the path."""
+"""Imports sjasim, which registers the environments' ids and, in a clone that is not installed, finds their package."""
 
 import sjasim  # noqa: F401

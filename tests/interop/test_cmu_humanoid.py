@@ -1,4 +1,6 @@
-"""dm_control's CMU humanoid as a dancer: it is built as planned, and it dances what our own dancers dance."""
+"""The CMU humanoid as a dancer: its model agrees with its tables, and it dances as sjasim's own body does."""
+
+from __future__ import annotations
 
 import subprocess
 import sys
@@ -27,7 +29,7 @@ def body():
 
 
 class Posed:
-    """A compiled humanoid in a planned posture."""
+    """A compiled humanoid in a planned posture, with the pelvis at (1.0, 2.0, 0.9) m and the heading 0.7 rad."""
 
     def __init__(self, body, build, planned):
         import mujoco
@@ -43,7 +45,7 @@ class Posed:
 
 
 def postures():
-    """At rest, and anyhow: without the roll of the ankles, which it lacks, and with knees that bend forward."""
+    """Zero angles and three random postures, without roll of the ankles, which it lacks, and with bent knees."""
     rng = np.random.default_rng(0)
     rows = [np.zeros(25), *rng.uniform(-0.5, 0.5, (3, 25))]
     for row in rows:
@@ -55,7 +57,7 @@ def postures():
 
 @pytest.mark.parametrize("build", BUILDS, ids=lambda build: f"{build.stature_m} m")
 @pytest.mark.parametrize("planned", postures())
-def test_its_joints_and_its_mass_go_where_the_plan_has_them(body, build, planned):
+def test_joints_and_centre_of_mass_are_where_the_tables_put_them(body, build, planned):
     posed = Posed(body, build, planned)
     there = np.array([posed.data.site(name).xpos for name in JOINTS])
     chains = posed.tables.chains()
@@ -65,7 +67,7 @@ def test_its_joints_and_its_mass_go_where_the_plan_has_them(body, build, planned
 
 
 @pytest.mark.parametrize("build", BUILDS, ids=lambda build: f"{build.stature_m} m")
-def test_it_has_the_builds_stature_and_mass_and_stands_on_its_soles(body, build):
+def test_stature_and_mass_are_those_of_the_build_and_the_soles_are_flat(body, build):
     posed = Posed(body, build, np.zeros(25))
     model, data = posed.model, posed.data
     assert model.body_subtreemass[0] == pytest.approx(build.mass_kg)
@@ -79,7 +81,7 @@ def test_it_has_the_builds_stature_and_mass_and_stands_on_its_soles(body, build)
         assert toes == pytest.approx(low, abs=0.003)
 
 
-def test_every_hinge_has_a_servo_and_every_plan_a_hinge(body):
+def test_every_hinge_has_a_servo_and_every_planned_hinge_a_leading_one(body):
     model = body.spec(body.anatomy(Build()), 0, 1, BodyConfig()).compile()
     names = {model.actuator(index).name for index in range(model.nu)}
     assert names == {*body.hinges, *TETHERED}
@@ -90,7 +92,7 @@ def test_every_hinge_has_a_servo_and_every_plan_a_hinge(body):
     assert bare.nu == 56
 
 
-def test_its_palms_meet_in_a_clap(body):
+def test_palms_meet_in_a_clap(body):
     for pose, gap in ((arm_poses("cmu").closed, (-0.02, 0.0)), (arm_poses("cmu").open, (0.3, 0.6))):
         planned = np.zeros(25)
         for name, angle in zip(("shoulder_y", "shoulder_x", "shoulder_z", "elbow"), pose, strict=True):
@@ -102,7 +104,7 @@ def test_its_palms_meet_in_a_clap(body):
         assert palms[0] @ palms[1] < -0.7
 
 
-def test_an_environment_takes_it(body):
+def test_an_environment_can_use_it(body):
     assert "cmu" in registry.names("body")
     env = gym.make("sjasim/Dance-v0", body={"model": "cmu"}, dance={"rehearsal": False}, disable_env_checker=True)
     observation, _ = env.reset(seed=4)
@@ -117,7 +119,7 @@ def test_an_environment_takes_it(body):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [5011, 5012, 5013])
-def test_it_dances_an_iteration_upright_and_is_seen(body, seed):
+def test_it_dances_an_iteration_without_falls_and_is_detected(body, seed):
     config = sjasim.SessionConfig(
         method="sia",
         sensing="joints",
@@ -133,13 +135,13 @@ def test_it_dances_an_iteration_upright_and_is_seen(body, seed):
     assert figures.bodies.tether_rms_n < 25.0
     assert figures.detector.recall >= 0.9
     assert figures.detector.precision >= 0.9
-    told = ("spine_seen", "hands_seen")  # not a number until the first frame
-    assert all(np.isfinite(column).all() for name, column in log.truth.items() if name not in told)
+    from_first_frame = ("spine_seen", "hands_seen")  # NaN before it
+    assert all(np.isfinite(column).all() for name, column in log.truth.items() if name not in from_first_frame)
     planned = sum(len(cue.events()) for cue in log.cues if cue.move != "turn")
     assert abs(figures.detector.true - planned) <= 0.1 * planned
 
 
-def test_without_dm_control_the_reason_is_named(monkeypatch):
+def test_without_dm_control_the_error_says_so_in_one_line(monkeypatch):
     probe = (
         "import sys; sys.modules['dm_control'] = None\n"
         "from sjasim.humans.body.body_model import body_model\n"
