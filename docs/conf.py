@@ -19,6 +19,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "command_help",
+    "native_math",
     "room_pages",
 ]
 exclude_patterns = ["_ext", "examples"]
@@ -26,6 +27,7 @@ exclude_patterns = ["_ext", "examples"]
 suppress_warnings = ["ref.python"]
 
 html_theme = "furo"
+html_math_renderer = "mathml"
 html_title = f"sjasim {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]

@@ -20,7 +20,7 @@ from sjasim.commands.command_list import COMMANDS
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
-WIDTH = 96
+WIDTH = 88
 """Characters a line."""
 
 

@@ -7,8 +7,11 @@ order of their names; autodoc fills in what their docstrings say.
 from __future__ import annotations
 
 import ast
+import inspect
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import sjasim
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -66,13 +69,35 @@ def _room_page(room: str, modules: list[str]) -> str:
 
 def _index_page(found: dict[str, list[str]]) -> str:
     lines = _heading("API reference", "=")
-    lines += ["Each page documents the public modules of one room. The pages are made from the docstrings.", ""]
-    lines += [".. list-table::", "   :header-rows: 1", "   :widths: 25 75", "", "   * - room", "     - contents"]
-    for room, modules in found.items():
-        lines += [f"   * - :doc:`{room}`", f"     - {summary(modules[0])}"]
-    lines += ["", ".. toctree::", "   :hidden:", ""]
+    lines += _heading("Public names", "-")
+    lines += ["``import sjasim`` gives these names. They are loaded when they are first used.", ""]
+    lines += _table("name", "meaning", _public_names())
+    lines += _heading("Rooms", "-")
+    lines += ["Each page documents the modules of one room, from their docstrings.", ""]
+    lines += _table("room", "contents", {f":doc:`{room}`": summary(modules[0]) for room, modules in found.items()})
+    lines += [".. toctree::", "   :hidden:", ""]
     lines += [f"   {room}" for room in found]
     return "\n".join([*lines, ""])
+
+
+def _public_names() -> dict[str, str]:
+    """A link to each public name -> the first line of its docstring."""
+    rows = {}
+    for name in sjasim.__all__:
+        value = getattr(sjasim, name)
+        if isinstance(value, str):
+            continue
+        place = value.__name__ if inspect.ismodule(value) else f"{value.__module__}.{value.__qualname__}"
+        first = (inspect.getdoc(value) or "").partition("\n")[0]
+        rows[f":py:obj:`sjasim.{name} <{place}>`"] = first.rstrip(".")
+    return rows
+
+
+def _table(left: str, right: str, rows: dict[str, str]) -> list[str]:
+    lines = [".. list-table::", "   :header-rows: 1", "   :widths: 25 75", "", f"   * - {left}", f"     - {right}"]
+    for first, second in rows.items():
+        lines += [f"   * - {first}", f"     - {second}"]
+    return [*lines, ""]
 
 
 def write_pages(app: Sphinx) -> None:
@@ -92,13 +117,30 @@ def write_pages(app: Sphinx) -> None:
             path.write_text(text, encoding="utf-8")
 
 
-def escape_bars(app: Sphinx, what: str, name: str, item: object, options: object, lines: list[str]) -> None:
-    """Escape bars such as those of absolute values, which mark substitutions in reStructuredText."""
-    lines[:] = [line if "``" in line else line.replace("|", r"\|") for line in lines]
+class PlainDescriptions:
+    """Keeps the descriptions of constants and properties as they are written.
+
+    Napoleon takes what stands before a colon in their first line for a type, which none of ours is.
+    """
+
+    def __init__(self) -> None:
+        self._lines: list[str] = []
+
+    def before(self, app: Sphinx, what: str, name: str, item: object, options: object, lines: list[str]) -> None:
+        """Remember a docstring that napoleon has not seen, with bars escaped, which would mark substitutions."""
+        lines[:] = [line if "``" in line else line.replace("|", r"\|") for line in lines]
+        self._lines = list(lines)
+
+    def after(self, app: Sphinx, what: str, name: str, item: object, options: object, lines: list[str]) -> None:
+        """Put the docstring of a constant or property back."""
+        if what in ("data", "attribute", "property"):
+            lines[:] = self._lines
 
 
 def setup(app: Sphinx) -> dict[str, object]:
     """Write the pages when the builder has started, and edit docstrings as they are read."""
     app.connect("builder-inited", write_pages)
-    app.connect("autodoc-process-docstring", escape_bars)
+    descriptions = PlainDescriptions()
+    app.connect("autodoc-process-docstring", descriptions.before, priority=400)
+    app.connect("autodoc-process-docstring", descriptions.after, priority=600)
     return {"parallel_read_safe": True}

@@ -123,7 +123,8 @@ class SessionLog:
         notices: problems that were noticed.
         odometry: columns of equal length at the odometry rate (t_s, x_m, y_m, heading_rad, step_m,
             yaw_rate_rad_s, true_x_m, true_y_m, true_heading_rad).
-        truth: columns of equal length, one row for each logged tick and dancer: see `recorder.TRUTH_COLUMNS`.
+        truth: columns of equal length, one row for each logged tick and dancer; see
+            `ground_truth_recorder.TRUTH_COLUMNS`.
         handovers: changes of the active sensor.
         followed: dancers that the method followed, if it reports them.
         joints: (F, D, 25, 3) float32 true joints at 30 Hz; None in a log that was read from a folder.

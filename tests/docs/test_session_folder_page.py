@@ -9,7 +9,7 @@ from sjasim.analysis.session_metrics import measures
 from sjasim.humans.timing.parameters import TimingParameters, preset_names
 from sjasim.record.parquet import COLUMN_TABLES, ROW_TYPES
 from sjasim.record.session_folder import write
-from sjasim.simulation.recorder import ODOMETRY_COLUMNS, TRUTH_COLUMNS
+from sjasim.simulation.ground_truth_recorder import ODOMETRY_COLUMNS, TRUTH_COLUMNS
 
 from .pages import table_rows, text_of
 
