@@ -1,4 +1,4 @@
-"""Every id keeps Gymnasium's contract, and any method danced through one leaves the log that it leaves elsewhere."""
+"""The environments follow Gymnasium's rules, and a method gives the same log in one as in a session of its own."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from sjasim.analysis.session_metrics import measures
 from sjasim.anticipation.observation import MOVES, EventFeatures
 from sjasim.core import registry
 
-from .dancers import FAST, dance, leave_be
+from .policies import FAST, repeat_move, run_episode
 
 IDS = sorted(ENVIRONMENTS)
-ROWS = ("device_events", "events", "commands", "decisions", "robot_events", "notices", "cues")
+TABLES = ("device_events", "events", "commands", "decisions", "robot_events", "notices", "cues")
 
 
 def make(name="sjasim/Dance-v0", **options):
@@ -36,22 +36,24 @@ def make(name="sjasim/Dance-v0", **options):
 
 
 @pytest.mark.parametrize("name", IDS)
-def test_every_id_passes_gymnasiums_own_check(name):
-    """Without a warning, but that the continuous limits are the robot's own: `RescaleAction` makes them -1 and 1."""
+def test_every_id_passes_gymnasiums_checker(name):
+    """The only warning is about the continuous limits, which are the robot's: `RescaleAction` makes them -1 and 1."""
     env = gym.make(name, **FAST)
-    with warnings.catch_warnings(record=True) as heard:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         check_env(env.unwrapped, skip_render_check=True)
-    said = [str(warning.message) for warning in heard]
-    assert all("symmetric and normalized" in text for text in said)
-    assert len(said) == (name == "sjasim/DanceContinuous-v0")
+    messages = [str(warning.message) for warning in caught]
+    assert all("symmetric and normalized" in text for text in messages)
+    assert len(messages) == (name == "sjasim/DanceContinuous-v0")
+
+    # A second call of close has no effect.
     env.close()
     env.close()
 
 
-def test_its_rendering_passes_too(monkeypatch):
-    monkeypatch.setitem(DanceEnv.metadata, "render_modes", ["rgb_array"])  # a window is refused without a display
-    env = pictured(gym.make("sjasim/Dance-v0", render_mode="rgb_array", width=64, height=48, **FAST))
+def test_rendering_passes_gymnasiums_checker(monkeypatch):
+    monkeypatch.setitem(DanceEnv.metadata, "render_modes", ["rgb_array"])  # human needs a display
+    env = with_opengl(gym.make("sjasim/Dance-v0", render_mode="rgb_array", width=64, height=48, **FAST))
     check_env(env.unwrapped)
     env.reset(seed=0)
     picture = env.render()
@@ -69,16 +71,16 @@ def test_importing_sjasim_registers_the_ids_and_loads_nothing_heavy():
     assert answer.stdout.strip() == "True []"
 
 
-def test_the_flat_observation_is_the_named_one_flattened():
-    flat, named = make("sjasim/DanceFlat-v0"), FlattenObservation(make())
-    assert flat.observation_space == named.observation_space
-    first, second = flat.reset(seed=3)[0], named.reset(seed=3)[0]
+def test_the_flat_observation_equals_the_flattened_named_one():
+    flat = make("sjasim/DanceFlat-v0")
+    flattened = FlattenObservation(make())
+    assert flat.observation_space == flattened.observation_space
+    assert np.array_equal(flat.reset(seed=3)[0], flattened.reset(seed=3)[0])
     for action in (0, 1, 1, 0, 3):
-        assert np.array_equal(first, second)
-        first, second = flat.step(action)[0], named.step(action)[0]
+        assert np.array_equal(flat.step(action)[0], flattened.step(action)[0])
 
 
-def test_an_observation_that_somebody_keeps_stays_as_it_was():
+def test_observations_do_not_share_memory():
     for env, parts in ((make(), dict.values), (make("sjasim/DanceFlat-v0"), lambda row: [row])):
         kept = [env.reset(seed=3)[0], *(env.step(action)[0] for action in (1, 1, 0))]
         assert len({b"".join(part.tobytes() for part in parts(row)) for row in kept}) == len(kept)
@@ -86,31 +88,37 @@ def test_an_observation_that_somebody_keeps_stays_as_it_was():
             assert not np.shares_memory(one, other)
 
 
-def test_told_is_what_a_method_is_told():
+def test_the_observation_of_method_policy_is_what_a_method_knows():
     env = MethodPolicy(make(method="eca"))
-    row = env.reset(seed=3)[0]
-    session, features = env.unwrapped.session, EventFeatures(env.unwrapped.session.context)
+    env.reset(seed=3)
+    session = env.unwrapped.session
     session.advance(9.0)
-    env.unwrapped._steps = 270
+    env.unwrapped._steps = 270  # 9 s at 30 Hz
     row = env.step(1)[0]
+
+    features = EventFeatures(session.context)
     for event in session.events:
         features.add(event)
     current = session.dispatcher.current
     assert len(session.events) > 2
     assert np.array_equal(row, features.row(session.time_s, MOVES.index(current.move), current.t_start_s))
     assert row in env.observation_space
+
+
+def test_method_policy_needs_the_named_observation():
     with pytest.raises(error.Error, match="last_iteration"):
         MethodPolicy(make("sjasim/DanceFlat-v0"))
 
 
-def test_in_order_steps_are_sent_once_and_near_their_beat():
+def test_in_order_sends_each_step_once_and_near_its_beat():
     env = InOrder(make(step_hz=5))
     env.reset(seed=3)
     session = env.unwrapped.session
     forward, backward, turn = (MOVES.index(name) for name in ("forward", "backward", "turn"))
     start_s = session.context.iteration_start_s[1]
     seen = []
-    for t_s, action in ((start_s - 2.0, turn), (start_s, forward), (start_s + 0.2, backward), (start_s + 0.4, forward)):
+    wanted = ((-2.0, turn), (0.0, forward), (0.2, backward), (0.4, forward))
+    for t_s, action in [(start_s + after_s, action) for after_s, action in wanted]:
         while session.time_s < t_s - 1e-9:
             env.step(env.unwrapped.action_space.start if not seen else seen[-1][0])
         env.step(action)
@@ -118,13 +126,18 @@ def test_in_order_steps_are_sent_once_and_near_their_beat():
         seen.append((0 if current is None else MOVES.index(current.move), len(session.commands)))
     assert [move for move, _ in seen] == [0, forward, forward, forward]
     assert seen[1] == seen[-1]
+
+
+def test_in_order_needs_the_four_moves():
+    env = InOrder(make())
+    env.reset(seed=0)
     with pytest.raises(error.InvalidAction, match="1 forward"):
         env.step(4)
     with pytest.raises(error.Error, match="four moves"):
         InOrder(make("sjasim/DanceContinuous-v0"))
 
 
-def test_stable_baselines_can_learn():
+def test_stable_baselines_learns_on_it():
     algorithms = pytest.importorskip("stable_baselines3", reason="the extra rl is not installed")
     env = MethodPolicy(make(step_hz=5))
     model = algorithms.PPO("MlpPolicy", env, n_steps=32, batch_size=32, n_epochs=1, device="cpu").learn(32)
@@ -132,18 +145,22 @@ def test_stable_baselines_can_learn():
 
 
 class TestLogs:
+    """Methods that run in an environment."""
+
     @pytest.mark.parametrize("method", ["sia"])
     def test_a_method_through_the_environment_leaves_the_same_log(self, method):
         options = {"first_followed_iteration": 1}
         config = sjasim.SessionConfig(method=method, sensing="joints", seed=4, iterations=1, method_options=options)
         log = sjasim.run_session(config)
         env = make(method=method, dance={"rehearsal": True}, method_options=options)
-        total, rows = dance(env, leave_be, seed=4)
-        own = env.unwrapped.session.log()
-        assert own.config == log.config
-        for table in ROWS:
-            assert getattr(own, table) == getattr(log, table), table
-        assert all(np.array_equal(own.odometry[key], column) for key, column in log.odometry.items())
+
+        total, rows = run_episode(env, repeat_move, seed=4)
+        same = env.unwrapped.session.log()
+        assert same.config == log.config
+        for table in TABLES:
+            assert getattr(same, table) == getattr(log, table), table
+        assert all(np.array_equal(same.odometry[key], column) for key, column in log.odometry.items())
+
         figures = measures(log)
         assert [row["gsi"] for row in rows] == [figures.gsi]
         assert [row["gsi_full_edges"] for row in rows] == [figures.gsi_full_edges]
@@ -151,16 +168,18 @@ class TestLogs:
         assert np.abs(rows[0]["event_errors_s"])[~np.isnan(rows[0]["event_errors_s"])] == pytest.approx(figures.ta_s)
         assert total > 0.0
 
-    def test_every_registered_method_can_dance(self):
-        for method in registry.names("anticipation"):
-            if method != "learned":
-                env = make()
-                env.reset(seed=0, options={"method": method})
-                assert env.unwrapped.session.config.method == method
-                env.step(0)
+    @pytest.mark.parametrize("method", [name for name in registry.names("anticipation") if name != "learned"])
+    def test_every_registered_method_can_be_used(self, method):
+        env = make()
+        env.reset(seed=0, options={"method": method})
+        assert env.unwrapped.session.config.method == method
+        observation = env.step(0)[0]
+        assert all(np.isfinite(part).all() for part in observation.values())
 
 
 class TestSeeds:
+    """Seeds of people, performances and action spaces."""
+
     def test_the_same_seed_gives_the_same_trajectory(self):
         def trajectory():
             env = make()
@@ -171,15 +190,15 @@ class TestSeeds:
 
         assert np.array_equal(trajectory(), trajectory())
 
-    def test_people_and_action_space_have_seeds_of_their_own(self):
-        def people(action_seed, **reset):
+    def test_people_and_action_space_have_separate_seeds(self):
+        def configuration(action_seed, **reset):
             env = make()
             env.action_space.seed(action_seed)
             env.reset(**reset)
             return env.unwrapped.session.config
 
-        assert people(1, seed=7) == people(2, seed=7)
-        again = [people(1, seed=seed, options={"people": 3}) for seed in (8, 9)]
+        assert configuration(1, seed=7) == configuration(2, seed=7)
+        again = [configuration(1, seed=seed, options={"people": 3}) for seed in (8, 9)]
         assert {config.seed for config in again} == {3}
         assert len({config.performance for config in again}) == 2
         one, other = (gym.make("sjasim/Dance-v0").action_space for _ in range(2))
@@ -206,6 +225,8 @@ class TestSeeds:
 
 
 class TestBadInput:
+    """What is not allowed is named in an error of Gymnasium's."""
+
     @pytest.mark.parametrize("action", [4, -1, 0.5, np.nan, "forward", None, [1], np.array([1, 2])])
     def test_discrete_actions(self, action):
         env = make()
@@ -249,7 +270,7 @@ class TestBadInput:
         with pytest.raises(error.Error, match=named):
             make().reset(options=options)
 
-    def test_order_of_calls(self):
+    def test_calls_in_a_wrong_order(self):
         env = make(dance={"rehearsal": False, "bpm": 180.0, "lead_in_s": 1.0, "tail_s": 0.0}).unwrapped
         with pytest.raises(error.ResetNeeded, match="reset"):
             env.step(0)
@@ -268,22 +289,23 @@ class TestBadInput:
 
 
 @pytest.mark.parametrize("context", ["spawn", "forkserver"])
-def test_environments_run_in_processes_of_their_own(context):
+def test_an_environment_in_another_process_observes_the_same(context):
     if context not in multiprocessing.get_all_start_methods():
         pytest.skip(f"no {context} here")
     envs = gym.make_vec(
         "sjasim/DanceFlat-v0", num_envs=1, vectorization_mode="async", vector_kwargs={"context": context}, **FAST
     )
-    there = envs.reset(seed=2)[0]
-    there = envs.step(np.array([1]))[0]
+    envs.reset(seed=2)
+    observations = envs.step(np.array([1]))[0]
     envs.close()
+
     env = make("sjasim/DanceFlat-v0")
     env.reset(seed=2)
-    assert np.array_equal(there[0], env.step(1)[0])
+    assert np.array_equal(observations[0], env.step(1)[0])
 
 
-def pictured(env):
-    """The same environment, if OpenGL can be had here."""
+def with_opengl(env):
+    """The environment, after a reset; skips the test without OpenGL."""
     env.reset(seed=0)
     try:
         env.render()
@@ -292,13 +314,13 @@ def pictured(env):
     return env
 
 
-def test_gymnasiums_recorder_films_every_step(monkeypatch, tmp_path):
-    """The wrapper itself; what makes a file of its frames is moviepy's, which need not be installed."""
-    films = []
+def test_record_video_gets_a_frame_of_every_step(monkeypatch, tmp_path):
+    """The package moviepy, which writes the file, need not be installed: a fake one collects the frames."""
+    videos = []
 
     class Clip:
         def __init__(self, frames, fps):
-            films.append((np.array(frames), fps))
+            videos.append((np.array(frames), fps))
 
         def write_videofile(self, path, **_):
             assert str(tmp_path) in path
@@ -308,19 +330,20 @@ def test_gymnasiums_recorder_films_every_step(monkeypatch, tmp_path):
     for name in ("moviepy", "moviepy.video", "moviepy.video.io"):
         monkeypatch.setitem(sys.modules, name, library)
     monkeypatch.setitem(sys.modules, clips.__name__, clips)
-    bare = pictured(make(render_mode="rgb_array", width=160, height=120, step_hz=10))
-    env = RecordVideo(bare, str(tmp_path / "films"), episode_trigger=lambda _: True)
+
+    env = with_opengl(make(render_mode="rgb_array", width=160, height=120, step_hz=10))
+    env = RecordVideo(env, str(tmp_path / "videos"), episode_trigger=lambda _: True)
     env.reset(seed=0)
     for _ in range(3):
         env.step(0)
     env.close()
-    ((frames, fps),) = films
+    ((frames, fps),) = videos
     assert frames.shape == (4, 120, 160, 3)
     assert fps == 10
     assert frames[0].std() > 10
 
 
-def test_gymnasiums_wrappers_go_round_it():
+def test_gymnasiums_wrappers_can_be_applied():
     env = RecordEpisodeStatistics(FlattenObservation(TimeLimit(make(step_hz=5), max_episode_steps=4)))
     observation, _ = env.reset(seed=1)
     assert observation in env.observation_space
@@ -333,8 +356,8 @@ def test_gymnasiums_wrappers_go_round_it():
     assert driven.unwrapped.session.dispatcher.current.speed_m_s == pytest.approx(0.65)
 
 
-def test_pictures():
-    env = pictured(make(render_mode="rgb_array", width=160, height=120))
+def test_pictures_have_the_requested_size():
+    env = with_opengl(make(render_mode="rgb_array", width=160, height=120))
     picture = env.render()
     assert picture.shape == (120, 160, 3)
     assert picture.dtype == np.uint8
@@ -342,22 +365,25 @@ def test_pictures():
     env.close()
 
 
-def test_without_opengl_the_package_is_named(monkeypatch):
-    def nowhere(*_):
+def test_without_opengl_the_error_names_the_package(monkeypatch):
+    def missing(*_):
         raise AttributeError("no GLContext")
 
-    monkeypatch.setattr("mujoco.Renderer", nowhere)
+    monkeypatch.setattr("mujoco.Renderer", missing)
     env = make(render_mode="rgb_array")
     env.reset(seed=0)
     with pytest.raises(error.DependencyNotInstalled, match="libegl1"):
         env.render()
 
 
-def test_a_window_without_a_display_is_refused(monkeypatch):
+def test_human_rendering_without_a_display_is_refused(monkeypatch):
     monkeypatch.setattr(sys, "platform", "linux")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     with pytest.raises(error.Error, match="display"):
         gym.make("sjasim/Dance-v0", render_mode="human")
+
+
+def test_an_unknown_render_mode_is_refused():
     with pytest.raises(error.UnsupportedMode, match="ansi"):
         make(render_mode="ansi")

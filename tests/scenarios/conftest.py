@@ -1,4 +1,6 @@
-"""Short sessions on real physics: one iteration on nominal beats without rehearsal, seen as joints, unless asked."""
+"""Short sessions with physics: one iteration without rehearsal by metronomic dancers, with joint sensing."""
+
+from __future__ import annotations
 
 import dataclasses
 from types import SimpleNamespace
@@ -14,20 +16,24 @@ SHORT = SessionConfig(
 )
 
 
-def dance(*faults, **changes):
-    """A danced session: its log, its measures, and what was noticed of whom."""
-    found = tuple(FaultConfig(*fault) for fault in faults)
-    log = run_session(dataclasses.replace(SHORT, faults=found, **changes))
+def run_short_session(*faults, **changes):
+    """Run `SHORT` with faults, given as tuples, and with changed fields.
+
+    Returns:
+        its ``log``, its ``measures``, and its ``notices`` as (source, text).
+    """
+    given = tuple(FaultConfig(*fault) for fault in faults)
+    log = run_session(dataclasses.replace(SHORT, faults=given, **changes))
     notices = [(notice.source, notice.what) for notice in log.notices]
     return SimpleNamespace(log=log, measures=measures(log), notices=notices)
 
 
-def heard_of(session, person):
-    """Regular events of somebody, in order of time."""
+def regular_events(session, person):
+    """Events of a person that are not early ones, in order of time."""
     return [event for event in session.log.events if event.person == person and not event.early]
 
 
 @pytest.fixture(scope="session")
 def clean():
-    """The short session with nothing wrong."""
-    return dance()
+    """The short session without faults."""
+    return run_short_session()

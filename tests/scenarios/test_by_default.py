@@ -1,16 +1,18 @@
-"""What is danced when nothing is said: depth images are all that the server's sensors have, and it ends well."""
+"""A session with the default sensing, depth images, detects nearly everything and reports nothing."""
+
+from __future__ import annotations
 
 import dataclasses
 
 from sjasim.config import SessionConfig
 
-from .conftest import SHORT, dance
+from .conftest import SHORT, run_short_session
 
 
-def test_a_session_that_names_no_sensing_is_seen_in_depth_images_and_ends_well():
-    by_default = SessionConfig().sensing
-    assert by_default == "depth"
-    session = dance(sensing=by_default, dance=dataclasses.replace(SHORT.dance, lead_in_s=2.0))
+def test_a_session_with_the_default_sensing_detects_nearly_everything():
+    default = SessionConfig().sensing
+    assert default == "depth"
+    session = run_short_session(sensing=default, dance=dataclasses.replace(SHORT.dance, lead_in_s=2.0))
     assert session.measures.as_dict()["sensing"] == "depth"
     assert session.notices == []
     assert session.measures.detector.recall >= 0.95

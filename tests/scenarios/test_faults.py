@@ -5,7 +5,7 @@ import pytest
 from sjasim.config import NetworkConfig
 from sjasim.core import ROBOT
 
-from .conftest import dance, heard_of
+from .conftest import regular_events, run_short_session
 
 FAULT_S = 10.0
 """Session time of the faults, between the second and the third move [s]."""
@@ -13,7 +13,7 @@ FAULT_S = 10.0
 
 @pytest.fixture(scope="module")
 def lossy():
-    return dance(network=NetworkConfig(packet_loss=0.2))
+    return run_short_session(network=NetworkConfig(packet_loss=0.2))
 
 
 def test_without_faults_there_is_no_notice(clean):
@@ -24,13 +24,13 @@ def test_without_faults_there_is_no_notice(clean):
 
 
 def test_a_dead_sensor_that_nobody_faces_is_reported_and_costs_nothing(clean):
-    session = dance(("dead_sensor", "east", FAULT_S))
+    session = run_short_session(("dead_sensor", "east", FAULT_S))
     assert session.notices == [("east", "client is dead: silent for more than 1 s")]
     assert [e.kind for e in session.log.events] == [e.kind for e in clean.log.events]
 
 
 def test_when_the_active_sensor_dies_another_takes_over_and_detects_less(clean):
-    session = dance(("dead_sensor", "north", FAULT_S))
+    session = run_short_session(("dead_sensor", "north", FAULT_S))
     assert ("north", "client is dead: silent for more than 1 s") in session.notices
     assert any("takes over from north" in what for _, what in session.notices)
     late = [event for event in session.log.events if event.t_s > FAULT_S + 1.5]
@@ -57,17 +57,17 @@ def test_the_robot_dances_through_packet_loss_on_repeated_commands(lossy):
 
 
 def test_a_clock_jump_is_reported_and_soon_corrected(clean):
-    session = dance(("clock_jump", "north", FAULT_S, 2.5))
+    session = run_short_session(("clock_jump", "north", FAULT_S, 2.5))
     ((source, what),) = session.notices
     assert source == "north"
     assert what.startswith("clock jumped by +2.5")
-    assert len(heard_of(session, "dancer_1")) == len(heard_of(clean, "dancer_1"))
+    assert len(regular_events(session, "dancer_1")) == len(regular_events(clean, "dancer_1"))
     for after, before in zip(session.log.events, clean.log.events, strict=True):
         assert after.t_s == pytest.approx(before.t_s, abs=0.05)
 
 
 def test_a_blocked_robot_is_reported_and_its_steps_are_missed(clean):
-    session = dance(("robot_blocked", ROBOT, FAULT_S))
+    session = run_short_session(("robot_blocked", ROBOT, FAULT_S))
     assert session.notices
     assert {source for source, _ in session.notices} == {ROBOT}
     assert all(what.startswith("blocked") for _, what in session.notices)
@@ -77,10 +77,10 @@ def test_a_blocked_robot_is_reported_and_its_steps_are_missed(clean):
 
 
 def test_a_dead_robot_is_reported_and_its_steps_are_missed(clean):
-    session = dance(("dead_robot", ROBOT, FAULT_S))
+    session = run_short_session(("dead_robot", ROBOT, FAULT_S))
     assert session.notices == [(ROBOT, "robot is dead: silent for more than 1 s")]
     assert session.log.odometry["t_s"][-1] < FAULT_S
     assert session.measures.robot_missed >= 3
     assert len(session.log.commands) == 9
-    assert len(heard_of(session, "dancer_1")) == 9
+    assert len(regular_events(session, "dancer_1")) == 9
     assert session.log.cost["sim_s"] == clean.log.cost["sim_s"]

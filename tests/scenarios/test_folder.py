@@ -5,14 +5,14 @@ import json
 from sjasim.analysis.session_metrics import measures
 from sjasim.record import session_folder
 
-from .conftest import dance
+from .conftest import run_short_session
 
 COST_KEYS = ("cpu_s", "wall_s", "sim_s")
 """Keys of session.json that do not follow from tables."""
 
 
 def test_every_measure_can_be_recomputed_from_the_tables(tmp_path):
-    session = dance(("clock_jump", "north", 10.0, 1.0), method="sia", iterations=2)
+    session = run_short_session(("clock_jump", "north", 10.0, 1.0), method="sia", iterations=2)
     folder = session_folder.write(session.log, tmp_path / "one", session.measures.as_dict(), recording=False)
 
     written = json.loads((folder / "session.json").read_text())

@@ -13,7 +13,7 @@ from sjasim.config import SessionConfig
 from sjasim.core import Kind
 from sjasim.session.session import run_session
 
-from .conftest import dance
+from .conftest import run_short_session
 
 MATCH_S = 0.4
 """Largest difference of the times of a true and a logged clap."""
@@ -41,7 +41,7 @@ def occluded_claps(config: SessionConfig) -> OccludedClaps:
 
 
 def test_each_clap_in_aligned_rows_is_logged_once_and_some_come_from_the_side():
-    session = dance(layout="rows", iterations=2)
+    session = run_short_session(layout="rows", iterations=2)
     claps = [event for event in session.log.events if event.kind is Kind.CLAP]
     assert Counter((event.person, event.iteration) for event in claps) == {
         (f"dancer_{k}", iteration): 1 for k in (1, 2, 3) for iteration in (1, 2)

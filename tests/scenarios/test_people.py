@@ -7,23 +7,23 @@ from sjasim.config import DanceConfig
 from sjasim.config.toml_file import from_plain
 from sjasim.core import Move
 
-from .conftest import dance, heard_of
+from .conftest import regular_events, run_short_session
 
 
 @pytest.fixture(scope="module")
 def humans_only():
     """A whole dance with a rehearsal and without a robot; the first dancer is always half a second late."""
-    return dance(method="none", humans="one-late", iterations=4, dance=DanceConfig(rehearsal=True))
+    return run_short_session(method="none", humans="one-late", iterations=4, dance=DanceConfig(rehearsal=True))
 
 
 @pytest.fixture(scope="module")
 def stopped():
-    return dance(("dancer_stops", "dancer_2", 0.0))
+    return run_short_session(("dancer_stops", "dancer_2", 0.0))
 
 
 def test_a_dancer_who_is_always_late_is_never_the_most_synchronous(humans_only):
-    late = [event.t_s for event in heard_of(humans_only, "dancer_1")]
-    others = [event.t_s for event in heard_of(humans_only, "dancer_3")]
+    late = [event.t_s for event in regular_events(humans_only, "dancer_1")]
+    others = [event.t_s for event in regular_events(humans_only, "dancer_3")]
     assert late[0] - others[0] > 0.25
     assert len(humans_only.measures.iterations) == 4
     assert "dancer_1" not in {row.msp for row in humans_only.measures.iterations}
@@ -42,24 +42,24 @@ def test_method_none_is_humans_only(humans_only):
 
 def test_a_dancer_who_stops_is_reported_and_the_others_continue(stopped, clean):
     assert stopped.notices == [("dancer_2", "no event seen in iteration 1")]
-    assert heard_of(stopped, "dancer_2") == []
-    assert len(heard_of(stopped, "dancer_1")) == len(heard_of(clean, "dancer_1")) == 9
+    assert regular_events(stopped, "dancer_2") == []
+    assert len(regular_events(stopped, "dancer_1")) == len(regular_events(clean, "dancer_1")) == 9
     assert stopped.measures.gsi_full_edges < clean.measures.gsi_full_edges
     assert stopped.log.cost["sim_s"] == clean.log.cost["sim_s"]
     assert stopped.measures.robot_missed == 0
 
 
 def test_a_dancer_who_stops_within_an_iteration_is_reported():
-    session = dance(("dancer_stops", "dancer_2", 10.0))
+    session = run_short_session(("dancer_stops", "dancer_2", 10.0))
     assert session.notices == [("dancer_2", "no event seen in iteration 1 after 4 of 9")]
-    assert len(heard_of(session, "dancer_1")) == 9
+    assert len(regular_events(session, "dancer_1")) == 9
 
 
 def test_dancers_coupled_to_a_late_robot_become_late(tmp_path):
     """They decide move by move: the first move is on the beat, and each later one is nearer to the robot's."""
     coupled = tmp_path / "coupled.toml"
     coupled.write_text("robot_coupling = 0.5\n")
-    late = dance(method="metronome", humans=str(coupled), method_options={"lead_s": -0.3})
+    late = run_short_session(method="metronome", humans=str(coupled), method_options={"lead_s": -0.3})
 
     table = timetable(from_plain(late.log.config))
     lateness = {}
@@ -78,7 +78,7 @@ def test_dancers_coupled_to_a_late_robot_become_late(tmp_path):
 def test_dancers_and_robot_follow_an_accelerando_with_a_pause():
     """A robot that keeps to the beat is as well timed as in steady music."""
     music = DanceConfig(rehearsal=False, tempo=((0.0, 1.0), (30.0, 1.25)), pauses=((16.0, 2.0),))
-    bent = dance(method="metronome", dance=music)
+    bent = run_short_session(method="metronome", dance=music)
     table = timetable(from_plain(bent.log.config))
     moves = [cue for cue in bent.log.cues if cue.move is not Move.TURN]
     assert len(moves) == 15
