@@ -101,7 +101,8 @@ class Physics:
 
     def _prepare_states(self) -> None:
         """Collect what `read_dancer_states` needs, and work space."""
-        model, dancers = self.model, self._dancers
+        model = self.model
+        dancers = self._dancers
         count = len(dancers.pelvis)
         self._joints_m: Array = np.empty(0)
         self._joints_tick = -1
@@ -132,7 +133,8 @@ class Physics:
         """Stiffness and feed-forward time (damping over stiffness) of the dancers' actuators."""
         gain = self.model.actuator_gainprm
         bias = self.model.actuator_biasprm
-        leading, tether = self._dancers.leading_actuators, self._dancers.tether_actuators
+        leading = self._dancers.leading_actuators
+        tether = self._dancers.tether_actuators
         stiffness = gain[leading, 0]
         root_lead = -bias[tether, 2] / gain[tether, 0] if len(tether) else np.zeros((len(anatomies), 5))
         return Servos(
@@ -145,7 +147,9 @@ class Physics:
 
     def _place(self, headings_rad: tuple[float, float], postures: Array, pelvises: Array) -> None:
         """Put everybody in their initial pose, with targets that hold it."""
-        dancers, qpos, ctrl = self._dancers, self.data.qpos, self.data.ctrl
+        dancers = self._dancers
+        qpos = self.data.qpos
+        ctrl = self.data.ctrl
         heading_rad, robot_heading_rad = headings_rad
         qpos[dancers.hinge_qpos] = self._body.angles(postures)
         qpos[dancers.root_qpos[:, :3]] = pelvises
@@ -301,7 +305,8 @@ class Physics:
 
     def make_limp(self, dancer: int) -> None:
         """Switch off a fallen dancer's actuators and tether, and let all of the body collide with the floor."""
-        model, dancers = self.model, self._dancers
+        model = self.model
+        dancers = self._dancers
         limp = np.concatenate([dancers.hinge_actuators[dancer], *dancers.tether_actuators[dancer : dancer + 1]])
         model.actuator_gainprm[limp] = 0.0
         model.actuator_biasprm[limp, :2] = 0.0

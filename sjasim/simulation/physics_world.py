@@ -93,7 +93,8 @@ class PhysicsWorld:
         self.scheduler.update(0.0, self.robot_events, self._fallen)
 
     def _make_dancers(self, layout: Layout, given_cues: Sequence[Sequence[Cue]] | None) -> None:
-        config, timetable = self._config, self._timetable
+        config = self._config
+        timetable = self._timetable
         builds = [sample_build(config, index) for index in range(config.dancers)]
         self.anatomies = [body_model(config.body.model).anatomy(build) for build in builds]
 
@@ -165,7 +166,8 @@ class PhysicsWorld:
         self._blocked = False
 
     def _prepare_tasks(self) -> None:
-        config, ticks = self._config, self.physics.ticks
+        config = self._config
+        ticks = self.physics.ticks
         self._control_hz = config.physics.control_hz
         self._control_task = Task(ticks, self._control_hz)
         self._frame_task = Task(ticks, config.sensors.rate_hz)
