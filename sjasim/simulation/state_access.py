@@ -122,10 +122,11 @@ class DancerIndices:
         """Actuators that take the balance controller's targets directly.
 
         Args:
-            planned_hinges: whether the body's hinges are the planned ones; else the tether alone takes targets.
+            planned_hinges: whether the body's hinges are the planned ones; else only the balance support takes targets.
 
         Returns:
-            actuators, and the places of their values in the flattened (D, 30) targets: 25 hinges, then the tether.
+            actuators, and the places of their values in the flattened (D, 30) targets: 25 hinges, then 5 of the balance
+            support.
         """
         dancers = len(self.pelvis)
         actuators = np.full((dancers, len(ACTUATED) + len(TETHERED)), -1, dtype=np.int64)
