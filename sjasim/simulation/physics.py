@@ -304,7 +304,7 @@ class Physics:
         return float(self.data.qpos.item(self._dancers.root_qpos.item(dancer, 2)))
 
     def make_limp(self, dancer: int) -> None:
-        """Switch off a fallen dancer's actuators and balance support, and let all of the body collide with the floor."""
+        """Switch off a fallen dancer's actuators and balance support, and let the whole body collide with the floor."""
         model = self.model
         dancers = self._dancers
         limp = np.concatenate([dancers.hinge_actuators[dancer], *dancers.tether_actuators[dancer : dancer + 1]])
