@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 
 import pytest
 import tyro
@@ -10,7 +11,7 @@ import tyro
 from sjasim.commands.command_list import COMMANDS
 from sjasim.commands.main import main
 
-from .pages import EXAMPLES, blocks, commands, pages
+from .pages import EXAMPLES, ROOT, blocks, commands, pages
 
 PYTHON_PAGES = [page for page in pages() if blocks(page, "python")]
 COMMAND_PAGES = [page for page in pages() if list(commands(page))]
@@ -82,3 +83,15 @@ def outcome(name, arguments):
         return "understood"
     except SystemExit as ended:
         return "help" if ended.code == 0 else ended.code
+
+
+@pytest.mark.parametrize("page", pages())
+def test_scripts_have_the_options_that_pages_name(page):
+    lines = [line for block in blocks(page, "console") for line in block.text.splitlines()]
+    for line in lines:
+        script, *options = re.findall(r"scripts/\w+\.py|(?<= )--[\w-]+", line.partition(" # ")[0]) or [""]
+        if not script.startswith("scripts/") or script == "scripts/launch.py":
+            continue
+        source = (ROOT / script).read_text(encoding="utf-8")
+        fields = {option.removeprefix("--").replace("-", "_") for option in options}
+        assert not [field for field in fields if f"    {field}: " not in source], line

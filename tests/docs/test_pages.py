@@ -64,3 +64,20 @@ def test_the_paper_page_names_every_equation():
         spans = re.findall(r"eqs?\. \((\d+)\)(?: (?:to|and) \((\d+)\)|, \((\d+)\))?", rows)
         named = {n for first, last, other in spans for n in range(int(first), int(last or other or first) + 1)}
         assert equation in named
+
+
+def test_quoted_messages_are_messages_of_the_code():
+    """Every message that Troubleshooting quotes stands in a source file."""
+    shipped = [path for folder in ("sjasim", "scripts") for path in (ROOT / folder).rglob("*.py")]
+    sources = " ".join(path.read_text(encoding="utf-8") for path in shipped)
+    text = text_of("docs/troubleshooting.md")
+    quoted = re.findall(r"^`(.+)`\n:", text, re.M) + re.findall(r"^\| `(.+?)` \|", text, re.M)
+    assert len(quoted) >= 7
+    assert [message for message in quoted if message not in sources] == []
+
+
+def test_the_glossary_is_in_order():
+    rows = [line for line in text_of("docs/glossary.md").splitlines() if line.startswith("| ")][1:]
+    names = [row.split(" | ")[0].strip("| *").lower() for row in rows]
+    assert len(names) > 60
+    assert names == sorted(set(names))
