@@ -4,8 +4,8 @@ To log one more column:
 
 - of events, cues, commands, decisions, notices, handovers or followed dancers: add a field to the dataclass that
   `ROW_TYPES` names for the table. The column follows from the field, under the field's name.
-- of ``truth`` or ``odometry``: fill the column where the log is made (`simulation.ground_truth_recorder`) and name it in
-  `COLUMN_TABLES`.
+- of ``truth`` or ``odometry``: fill the column where the log is made (`simulation.ground_truth_recorder`), and name it
+  in `COLUMN_TABLES`.
 - that is no field of the value, such as the session's name: name it in `EXTRA_COLUMNS`, and pass its values to
   `write_rows` in `session_folder`.
 

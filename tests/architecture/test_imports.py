@@ -46,7 +46,7 @@ ONLY = {
         "server": set(),
     },
 }
-"""Room -> lower room -> the modules of it that may be imported; a lower room that is not named may be imported whole."""
+"""Room -> lower room -> the modules of it that may be imported. A lower room without a row may be imported whole."""
 
 OWNERS = {
     "mujoco": ("simulation", "humans.body.body_model", "humans.body.mjcf", "robot.mjcf", "interop"),
