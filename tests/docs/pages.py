@@ -74,8 +74,8 @@ def _all_blocks(page: str) -> Iterator[Block]:
 
 
 def commands(page: str) -> Iterator[tuple[int, str, list[str]]]:
-    """Line, name and arguments of every command of sjasim in the console blocks of a page."""
-    for block in blocks(page, "console"):
+    """Line, name and arguments of every command of sjasim in the shell blocks of a page."""
+    for block in blocks(page, "bash"):
         for offset, line in enumerate(block.text.splitlines()):
             call = re.sub(r"^\w+=\S+ ", "", line)
             program = next((name for name in PROGRAMS if call.startswith(name)), None)

@@ -87,7 +87,7 @@ def outcome(name, arguments):
 
 @pytest.mark.parametrize("page", pages())
 def test_scripts_have_the_options_that_pages_name(page):
-    lines = [line for block in blocks(page, "console") for line in block.text.splitlines()]
+    lines = [line for block in blocks(page, "bash") for line in block.text.splitlines()]
     for line in lines:
         script, *options = re.findall(r"scripts/\w+\.py|(?<= )--[\w-]+", line.partition(" # ")[0]) or [""]
         if not script.startswith("scripts/") or script == "scripts/launch.py":
@@ -95,3 +95,8 @@ def test_scripts_have_the_options_that_pages_name(page):
         source = (ROOT / script).read_text(encoding="utf-8")
         fields = {option.removeprefix("--").replace("-", "_") for option in options}
         assert not [field for field in fields if f"    {field}: " not in source], line
+
+
+def test_the_pages_have_code_to_test():
+    assert sum(len(blocks(page, "python")) for page in PYTHON_PAGES) >= 10
+    assert sum(len(list(commands(page))) for page in COMMAND_PAGES) >= 50
