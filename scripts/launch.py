@@ -197,6 +197,8 @@ def wait_for(processes: list) -> None:
                 break
             except subprocess.TimeoutExpired:
                 say("sjasim: still compiling")
+    if any(process.returncode != 0 for process in processes):
+        say("sjasim: not everything could be compiled ahead; the first session compiles the rest")
 
 
 def stages(wanted: str) -> list:

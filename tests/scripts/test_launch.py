@@ -76,6 +76,10 @@ def test_compiling_names_parts_that_exist_and_waits_with_a_line(monkeypatch, cap
     said = capsys.readouterr().err
     assert "compiling for this machine" in said
     assert "still compiling" in said
+    assert "could be compiled ahead" not in said
+
+    module.wait_for([subprocess.Popen([sys.executable, "-c", "raise SystemExit(1)"])])
+    assert "could be compiled ahead" in capsys.readouterr().err
 
 
 def fake_call(module, command):
@@ -275,3 +279,19 @@ def test_lock_files_have_hashes_and_name_no_host(name):
     text = (PROJECT / "requirements" / f"{name}.txt").read_text()
     assert "://" not in text
     assert not re.findall(r"^\S+==[^\\\n]*$", text, re.MULTILINE)  # each requirement continues with its hashes
+
+
+@pytest.mark.slow
+def test_the_first_stage_is_enough_to_compile():
+    """Packages of later stages are hidden, as they are missing while the functions are compiled."""
+    names = {"rerun-sdk": "rerun", "dm-control": "dm_control", "tomli-w": "tomli_w"}
+    later = sorted(names.get(package, package) for package in set(locked("run")) - set(locked("simulation")))
+    assert "pyarrow" in later
+    probe = (
+        f"import sys; sys.modules.update(dict.fromkeys({later!r}))\n"
+        "from sjasim.simulation import precompile\n"
+        "precompile.main(list(precompile.PARTS))\n"
+        "print('compiled')"
+    )
+    answer = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, cwd=PROJECT)
+    assert answer.stdout.strip() == "compiled", answer.stderr
