@@ -1,7 +1,7 @@
 """Coincidences of events of several agents, and the pairwise synchronisation index that is computed from them.
 
-Times are compared in whole microseconds, so that two times are equal or not, and a lag of exactly tau is outside the
-window.
+Times are rounded to whole microseconds before they are compared, so that the result does not depend on floating-point
+rounding. A lag of exactly tau does not coincide.
 
 Source: iqbal2016, eqs. (1)-(4), which extend quianquiroga2002.
 """
@@ -19,7 +19,7 @@ from ..core import Array, IntArray, Kind
 from ..core.errors import ConfigError
 
 Series = tuple[Sequence[float] | Array, Sequence[str]]
-"""Events of one agent: times [s], and as many kinds."""
+"""Events of one agent: (N,) times [s] and (N,) kinds."""
 
 BoolArray = NDArray[np.bool_]
 
@@ -28,13 +28,13 @@ _NO_EVENTS: IntArray = np.zeros(0, dtype=np.int64)
 
 @dataclass(frozen=True, slots=True)
 class Coincidences:
-    """Pairwise synchrony of H agents over the K kinds that occur.
+    """Pairwise synchrony of H agents over the K kinds of events that occur.
 
     Attributes:
         kinds: the K kinds.
-        by_kind: (H, H, K) Q(e).
-        index: (H, H) Q_xy.
-        empty: (H, H) whether neither agent has an event.
+        by_kind: (H, H, K) synchronisation index Q(e) of each pair for each kind.
+        index: (H, H) pairwise synchronisation index Q_xy.
+        empty: (H, H) whether neither agent of the pair has an event.
     """
 
     kinds: tuple[str, ...]
@@ -44,10 +44,13 @@ class Coincidences:
 
 
 def microseconds(times_s: Sequence[float] | Array) -> IntArray:
-    """(N,) times in whole microseconds.
+    """Round times to whole microseconds.
 
     Args:
         times_s: (N,) finite times [s].
+
+    Returns:
+        (N,) times [us].
 
     Raises:
         ConfigError: a time is not finite, or the array has more than one axis.
@@ -60,16 +63,17 @@ def microseconds(times_s: Sequence[float] | Array) -> IntArray:
 
 @dataclass(frozen=True, slots=True)
 class _Events:
-    """Events of H agents on one time line, on which each of K kinds has a stretch of its own.
+    """Events of H agents on one time line on which each of K kinds has a separate interval.
 
-    The stretches are more than tau apart, so that all kinds are compared at once without mixing them.
+    The intervals are more than tau apart. All kinds can therefore be searched at once, because events of different
+    kinds never coincide.
 
     Attributes:
         kinds: the K kinds.
         owner: (N,) index of the agent of each event.
-        kind: (N,) index of its kind.
-        line_us: (N,) its place on the time line [us].
-        stride_us: from the beginning of one kind's stretch to that of the next [us].
+        kind: (N,) index of the kind of each event.
+        line_us: (N,) position of each event on the time line [us].
+        stride_us: distance between the beginnings of the intervals of two successive kinds [us].
     """
 
     kinds: tuple[str, ...]
@@ -86,6 +90,9 @@ def count_coincidences(series: Sequence[Series], tau: float, one_to_one: bool) -
         series: events of each of H agents, in any order.
         tau: two events coincide if they are less than this apart [s].
         one_to_one: match each event at most once, instead of counting every pair of events.
+
+    Returns:
+        the indices of all pairs of agents.
 
     Raises:
         ConfigError: tau is not positive, times are not finite, or times and kinds differ in length.
@@ -104,7 +111,7 @@ def count_coincidences(series: Sequence[Series], tau: float, one_to_one: bool) -
     count_function = _count_matches if one_to_one else _count_pairs
     count = count_function(events, agents, tau_us)
 
-    # Q(e): coincidences over the geometric mean of the numbers of events. 1 avoids 0/0, where the count is 0 as well.
+    # Q(e): number of coincidences over the geometric mean of the numbers of events. The maximum with 1 avoids 0/0.
     product = number[:, None] * number
     by_kind = count / np.sqrt(np.maximum(product, 1))
 
@@ -116,7 +123,7 @@ def count_coincidences(series: Sequence[Series], tau: float, one_to_one: bool) -
 
 
 def _on_one_line(series: Sequence[Series], tau_us: int) -> _Events:
-    """Place the events of all agents and kinds on one time line."""
+    """Return the events of all agents on one time line; see `_Events`."""
     codes: dict[str, int] = {}
     encoded = [_encode(events, codes) for events in series]
     owner = np.repeat(np.arange(len(series)), [len(times) for times, _ in encoded])
@@ -131,7 +138,7 @@ def _on_one_line(series: Sequence[Series], tau_us: int) -> _Events:
 
 
 def _encode(series: Series, codes: dict[str, int]) -> tuple[IntArray, IntArray]:
-    """Times [us] and codes of kinds of one agent's events; a new kind gets the next code."""
+    """Return times [us] and kind codes of one agent's events; ``codes`` is extended by kinds that it lacks."""
     times_s, kinds = series
     times = microseconds(times_s)
     if len(times) != len(kinds):
@@ -143,8 +150,8 @@ def _encode(series: Series, codes: dict[str, int]) -> tuple[IntArray, IntArray]:
 def _count_pairs(events: _Events, agents: int, tau_us: int) -> Array:
     """(H, H, K) number of pairs of events less than tau apart.
 
-    This is c(x|y) + c(y|x) of eqs. (1) and (2): every lag strictly inside tau counts once, in one direction or the
-    other, and a lag of 0 counts half in each.
+    This is the sum c(x|y) + c(y|x) of eqs. (1) and (2). A positive lag contributes 1 to one term, and a lag of 0
+    contributes 1/2 to each, so that every pair contributes 1 to the sum.
     """
     kinds = len(events.kinds)
     cells = agents * kinds
@@ -165,7 +172,7 @@ def _count_matches(events: _Events, agents: int, tau_us: int) -> Array:
     count = np.zeros((agents, agents, kinds))
     for i, j in combinations(range(agents), 2):
         matched = np.array(_match(trains[i].tolist(), trains[j].tolist(), tau_us), dtype=np.int64)
-        # The stretch that an event lies on is its kind.
+        # The interval of the time line that contains an event is the index of its kind.
         of_kind = np.bincount(matched // events.stride_us, minlength=kinds)
         count[i, j] = of_kind
         count[j, i] = of_kind
@@ -175,7 +182,7 @@ def _count_matches(events: _Events, agents: int, tau_us: int) -> Array:
 def _match(x: list[int], y: list[int], tau_us: int) -> list[int]:
     """Times of x in a maximum one-to-one matching of sorted times less than tau apart.
 
-    On a line, the earliest partner that fits is always an optimal choice.
+    The greedy choice of the earliest possible partner is optimal for sorted times and a constant tau.
     """
     i = 0
     j = 0

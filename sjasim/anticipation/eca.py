@@ -24,9 +24,10 @@ class EcaConfig:
     """Options of ECA.
 
     Attributes:
-        epsilon_s: largest gap between neighbouring times of one cluster [s]. A larger value tolerates stragglers and
-            includes them in the mean.
-        lead_s: how long before the predicted time a command is sent [s]; a larger value makes the robot earlier.
+        epsilon_s: largest gap between neighbouring times of one cluster [s]. With a larger value, dancers who are far
+            from the others in time are included in the mean.
+        lead_s: time between the sending of a command and the predicted time of its step [s]; a larger value makes the
+            robot earlier.
     """
 
     epsilon_s: float = EPSILON_S
@@ -40,10 +41,11 @@ class EcaConfig:
 
 @register("anticipation", "eca", config=EcaConfig)
 class Eca(ScheduledMethod):
-    """Schedules each step of an iteration at the mean time of the dancers' event in the iteration before.
+    """Schedules each step of an iteration at the mean time of the dancers' events of that step in the last iteration.
 
-    A step that fewer than two dancers did together keeps its last time, which at first is its beat in the music. An
-    iteration without events therefore keeps the whole schedule. Iteration 1 is scheduled from the rehearsal.
+    The mean is that of the largest cluster of events. A step without a cluster of at least two dancers keeps the time
+    of the last schedule; the first schedule contains the beats of the music. An iteration without events therefore
+    leaves the schedule unchanged. Iteration 1 is scheduled from the rehearsal.
 
     Args:
         config: options.
@@ -53,30 +55,33 @@ class Eca(ScheduledMethod):
         self._config = config
 
     def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
-        """Prepare for a dance: forget the last one."""
+        """Prepare for a dance, and discard the state of the last one."""
         super().reset(context, rng)
         self._history = EventHistory(context, self._config.epsilon_s)
 
     def on_event(self, event: Event) -> Sequence[MethodAction]:
-        """Add the event to the history; ECA acts at the end of an iteration only."""
+        """Add the event to the history, and return no action: ECA schedules only at the end of an iteration."""
         self._history.add(event)
         return ()
 
     def _schedule_iteration(self, iteration: int) -> Sequence[MethodAction]:
-        """One command for each step, from the history of the iteration before."""
+        """Return one command for each step, from the events of the iteration before."""
         return schedule_from_history(self._context, self._history, iteration, self._config.lead_s)
 
 
 def schedule_from_history(
     context: MethodContext, history: EventHistory, iteration: int, lead_s: float
 ) -> tuple[ScheduleCommand, ...]:
-    """One command for each step of an iteration, at the time that ECA predicts.
+    """Return one command for each step of an iteration, ``lead_s`` before the time that ECA predicts.
 
     Args:
-        context: the dance.
-        history: events so far; its schedule is updated with the iteration before.
-        iteration: which iteration to schedule, from 1.
-        lead_s: how long before the predicted time a command is sent [s].
+        context: context of the dance.
+        history: events so far. Its schedule is updated in place with the events of ``iteration - 1``.
+        iteration: the iteration to schedule, from 1.
+        lead_s: time between the sending of a command and the predicted time of its step [s].
+
+    Returns:
+        K commands in the order of ``context.steps``.
 
     Source: iqbal2016, section III-B.
     """

@@ -64,20 +64,20 @@ class EventHistory:
     def update_schedule(self, iteration: int) -> tuple[bool, ...]:
         """Update the schedule with an iteration's events.
 
-        A step gets the mean time of those who did it together. It keeps its last time if fewer than two dancers did;
-        with one dancer in the cast, if nobody did.
+        A step gets the mean time of the main cluster of the dancers' events. It keeps its last time if the cluster has
+        fewer than two members (fewer than one if the cast is a single dancer).
 
         Args:
             iteration: the iteration that has ended.
 
         Returns:
-            for each step whether its time is new.
+            K booleans: whether each step has a new time.
 
         Source: iqbal2016, section III-B; the mean is taken over those who were detected, where the paper divides by 3.
         """
         min_members = min(2, len(self._context.cast))
         ideal = ideal_times(self.step_times(iteration), self._epsilon_s, min_members)
         updated = np.isfinite(ideal)
-        # A step without a new time keeps the last one: it is a better guess than the music.
+        # Keep the last time of a step without a new one: it predicts the dancers better than the beat of the music.
         self.schedule = np.where(updated, ideal, self.schedule)
         return tuple(bool(item) for item in updated)

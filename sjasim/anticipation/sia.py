@@ -1,16 +1,17 @@
 """Synchronisation index-based anticipation (SIA): the robot follows the most synchronous dancer of the last iteration.
 
-Source: iqbal2016, section III-A. Where its statements are found:
+Source: iqbal2016, section III-A. Statements of the paper, and the code that implements them:
 
 - "at the beginning of each iteration we measured the most synchronous person of the group": `Sia._select_leader`, with
   the individual index of eqs. (1) to (6) in `synchrony.most_synchronous`.
 - "during the next iteration the server will track all movements of MSP": `Sia.on_event`.
-- "close to the timing of events of MSP": the window around their last time of it, `SiaConfig.window_s`.
+- "close to the timing of events of MSP": `SiaConfig.window_s`, a window around the time of the leader's same event in
+  the last iteration.
 - "the server received early detected events: [it] sent appropriate commands to the robot": `Sia._follow_event`.
-- "excluding the clap event": an early clap triggers nothing; the regular clap does.
+- "excluding the clap event": an early clap triggers no command; a regular clap does.
 
-The paper does not say what happens when an expected event does not come, when the leader is ahead, when indices are
-tied, or before a dancer has been chosen. These rules are ours, and described at `Sia`.
+The paper does not specify what happens when an expected event is missing, when the leader is ahead of the robot, when
+indices are tied, or before a leader is selected. The rules for these cases are assumed and documented at `Sia`.
 """
 
 from __future__ import annotations
@@ -34,38 +35,39 @@ STARTS = (Kind.START_FORWARD, Kind.START_BACKWARD)
 """Events with which a move starts."""
 
 PHRASE_STARTS = (Kind.START_FORWARD, Kind.CLAP)
-"""Events with which a phrase starts; every other event continues the phrase of the event before it.
+"""Events with which a phrase starts; every other event belongs to the phrase of the event before it.
 
 A phrase is a move forward and the move back to the slot.
 """
 
 MIN_PAUSE_S = 0.15
-"""Shortest pause between two moves that the robot makes without the leader [s] (assumed)."""
+"""Shortest pause between two moves that are not triggered by the leader's events [s] (assumed)."""
 
 MIN_PHRASE_SHARE = 0.5
-"""Least share of its planned length to which a phrase that began too late is shortened (assumed)."""
+"""Smallest ratio of the shortened to the planned duration of a phrase that started late (assumed)."""
 
 _NO_STEP = -2
-"""Stands for "no step has been followed"; the step after it is no step either."""
+"""Value of `Sia._last_followed` before a step has been followed. It is -2 because -1 would precede step 0."""
 
 
 @dataclass(frozen=True, slots=True)
 class SiaConfig:
-    """Options of SIA. How many early frames make an early event is an option of the detector.
+    """Options of SIA. Detection of early events is configured in `config.DetectorConfig`.
 
     Attributes:
-        window_s: an event is followed if it is this close to the leader's same event of the last iteration [s]. With a
-            smaller value a group that starts early or late together is missed, with a larger one false events are
-            followed (assumed: iqbal2016 says "close to"; below 1.5 s many events are missed).
-        clap_wait_s: how long beyond its scheduled time a turn waits for the leader's clap [s] (assumed: iqbal2016
-            excludes claps from the early events). With a wait as long as the window, the turn would end after the
-            iteration's own window.
-        first_followed_iteration: first iteration in which a dancer is followed; earlier ones are scheduled as in ECA.
-        lead_s: how long before a scheduled time a command is sent [s]; a larger value makes moves without a leader
-            earlier.
-        epsilon_s: as in ECA [s].
-        edges: the robot's outgoing edges in the group's graph while it follows nobody: ``none`` or ``all``, see
-            `Sia.follows`.
+        window_s: largest time between an event and the leader's same event of the last iteration at which the event is
+            followed [s]. A smaller value misses events when the whole group is early or late; a larger value follows
+            more false events (assumed: iqbal2016 says "close to"; below 1.5 s many events are missed).
+        clap_wait_s: longest time after its scheduled time that a turn waits for the leader's clap [s] (assumed:
+            iqbal2016 excludes claps from the early events). If it were as long as ``window_s``, the turn would end
+            after the iteration's window.
+        first_followed_iteration: first iteration in which a dancer is followed; earlier iterations are scheduled as in
+            ECA.
+        lead_s: time between the sending of a scheduled command and the time for which it is scheduled [s]. A larger
+            value makes moves that do not follow an event earlier.
+        epsilon_s: largest gap between neighbouring times of one cluster, as in ECA [s].
+        edges: outgoing edges of the robot in the group topology graph while it follows no dancer: ``none`` or ``all``,
+            see `Sia.follows`.
     """
 
     window_s: float = 2.0
@@ -91,22 +93,24 @@ class SiaConfig:
 
 @register("anticipation", "sia", config=SiaConfig)
 class Sia(ScheduledMethod):
-    """Selects the most synchronous dancer, the leader, when an iteration ends, and follows them through the next one.
+    """Selects the most synchronous dancer (the leader) at the end of an iteration, and follows it in the next one.
 
-    **Following.** The steps of an iteration are resolved in order; only the next unresolved step is listened for. An
-    early event of the leader triggers it, or else their regular event, if it lies in the window around their time in
-    the last iteration (around the scheduled time if they have none). A step that continues a followed one needs no
-    window: a leader who dances the whole phrase three seconds early is followed through it.
+    **Following.** The steps of an iteration are resolved in order: each is followed, sent as a fallback, or skipped.
+    The next unresolved step is triggered by the leader's early event, or by its regular event if no early event was
+    detected. The event must lie in a window around the time of the leader's same event in the last iteration, or around
+    the scheduled time if there was none. The window does not apply to a step that continues the phrase of a step that
+    was followed, so that a leader who performs a whole phrase three seconds early is followed to its end.
 
-    **Fallback.** If the window closes without an event, the scheduled command is sent, at once if its time has passed,
-    and the decision log says ``fallback``. A move back falls back in time to end before the leader is expected to do
-    the next thing. When the start of a move falls back, the leader has left out a phrase: the rest of it is scheduled
-    at once and shortened if it would not end in time, because waiting for the windows of its steps would leave no time
-    before the turn. The steps ahead get their own fallbacks again when the leader comes back within the phrase.
+    **Fallback.** If no event arrives within the window, the scheduled command is sent when the window closes, and the
+    decision log says ``fallback``. The window of a move back closes early enough for the move to end before the
+    leader's next expected step. If the start of a move is sent as a fallback, the leader is assumed to have left out
+    the phrase. The rest of the phrase is then scheduled at once, because waiting for the windows of its steps would
+    leave no time before the turn. It is shortened if it would end too late. The remaining steps get their original
+    fallbacks back if the leader's events are detected again within the phrase.
 
-    **A leader who is ahead.** If a regular event shows that the leader is past the next step, a stop or turn falls
-    back at once. A move whose stop is the first that is detected of it is made late, if it will be over before the
-    leader is expected to do the next thing; else it is skipped.
+    **Leader ahead of the robot.** If a regular event shows that the leader is past the next unresolved step, a stop or
+    turn is sent at once. If the first detected event of a move is its stop, the move is performed late, provided that
+    it ends before the leader's next expected step; otherwise it is skipped.
 
     Args:
         config: options.
@@ -116,7 +120,7 @@ class Sia(ScheduledMethod):
         self._config = config
 
     def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
-        """Prepare for a dance: forget the last one."""
+        """Prepare for a dance, and discard the state of the last one."""
         super().reset(context, rng)
         count = len(context.steps)
         self._history = EventHistory(context, self._config.epsilon_s)
@@ -124,37 +128,39 @@ class Sia(ScheduledMethod):
         self._msp: dict[int, str] = {}
         """Iteration -> its most synchronous person."""
         self._previous_msp: str | None = None
-        """Most synchronous person of the last iteration with events; decides ties."""
+        """Most synchronous person of the last iteration with events; it decides ties."""
         self._leader = ""
-        """The dancer who is followed at present, or ""."""
+        """Name of the dancer who is followed in the present iteration; "" if none is."""
         self._leader_note = ""
-        """The leader and why they lead, in words for the decision log."""
+        """Name of the leader and the reason for its selection, for the decision log."""
 
         self._start_s = 0.0
         """Session time of the iteration's beat 0; the two arrays below are relative to it [s]."""
         self._expected_s: Array = np.zeros(count)
-        """(K,) when the leader is expected to do each step [s]."""
+        """(K,) expected time of the leader's event of each step [s]."""
         self._window_end_s: Array = np.zeros(count)
-        """(K,) when the window of each step closes [s]."""
+        """(K,) time at which the window of each step closes [s]."""
 
         self._next_step = count
-        """Ordinal of the next unresolved step; all smaller ones are resolved."""
+        """Ordinal of the next unresolved step; all steps before it are resolved."""
         self._last_followed = _NO_STEP
         """Ordinal of the last step that an event of the leader triggered."""
 
         self._predicted: tuple[ScheduleCommand, ...] = ()
         """Commands at the times that ECA predicts."""
         self._fallbacks: tuple[ScheduleCommand, ...] = ()
-        """Commands for the case that no event of the leader comes."""
+        """Commands that are sent if no event of the leader is detected within the window."""
         self._start_timers: dict[float, int] = {}
-        """Session time at which a start falls back [s] -> its ordinal, while it is unresolved."""
+        """Session time at which the fallback of a start is sent [s] -> its ordinal, for unresolved starts."""
         self._completion_s: dict[int, float] = {}
-        """Ordinal -> session time of the steps that are scheduled to complete a phrase without the leader [s]."""
+        """Ordinal -> session time of each step that `_complete_phrase` has scheduled [s]."""
 
     def follows(self, iteration: int) -> tuple[str, ...] | None:
-        """The dancer whom the robot follows in an iteration: the most synchronous one of the iteration before.
+        """Return the dancer that the robot follows in an iteration: the most synchronous one of the iteration before.
 
-        Before `SiaConfig.first_followed_iteration` it is nobody, or with ``edges = all`` everyone (None).
+        Returns:
+            a tuple with one name. Before `SiaConfig.first_followed_iteration` it is empty, or None (all dancers) with
+            ``edges = all``.
 
         Source: iqbal2016, section VI-A, on the robot's edges.
         """
@@ -163,13 +169,13 @@ class Sia(ScheduledMethod):
         return () if self._config.edges == "none" else None
 
     def on_event(self, event: Event) -> Sequence[MethodAction]:
-        """Add the event to the history, and act on it if it is the leader's and expected."""
+        """Add the event to the history, and send the command of a step if it is an expected event of the leader."""
         self._history.add(event)
         if event.person != self._leader or (event.early and event.kind == Kind.CLAP):
             return ()
         self._skip_closed_steps(event.t_arrival_s)
 
-        # An event belongs to the next step if it continues a followed one, else to the step expected nearest in time.
+        # An event that continues a followed phrase belongs to the next step; any other, to the step expected nearest.
         after_s = event.t_s - self._start_s
         step = self._next_step if self._continues_followed_step(event.kind) else self._nearest_step(event.kind, after_s)
         if step is None or step < self._next_step:
@@ -177,7 +183,8 @@ class Sia(ScheduledMethod):
         if step == self._next_step:
             return (self._follow_event(event), *self._restore_fallbacks())
 
-        # The leader is ahead. An early event, or one before the next step is expected, is too little evidence of it.
+        # The event belongs to a later step, so the leader may be ahead of the robot. Early events are not reliable
+        # enough to conclude this, and neither is an event that precedes the expected time of the next step.
         if event.early or after_s < self._expected_s[self._next_step]:
             return ()
         is_stop_of_missed_move = self._context.steps[step - 1].kind in STARTS
@@ -187,14 +194,14 @@ class Sia(ScheduledMethod):
         return (*skipped, self._follow_event(event))
 
     def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
-        """Stop following the leader, and schedule the next iteration."""
+        """Stop following the leader, and return the commands of the next iteration."""
         self._leader = ""
         return super().on_iteration_end(iteration, t_s)
 
     def on_timer(self, t_s: float) -> Sequence[MethodAction]:
-        """Complete the phrase of a start that has just fallen back.
+        """Schedule the rest of a phrase whose start has just been sent as a fallback.
 
-        Nothing happens if the start was resolved in the meantime, or has been made already to complete a phrase.
+        Returns no action if the start is resolved already, or if `_complete_phrase` has scheduled it earlier.
         """
         start = self._start_timers.pop(t_s, None)
         if start is None or not self._leader or self._completion_s.get(start, np.inf) <= t_s:
@@ -203,13 +210,13 @@ class Sia(ScheduledMethod):
         return self._complete_phrase(start, t_s)
 
     def _schedule_iteration(self, iteration: int) -> Sequence[MethodAction]:
-        """Select the leader, and schedule the fallback of every step."""
+        """Select the leader, and return the fallback of every step and the timers of the starts."""
         self._select_leader(iteration - 1)
         predicted = schedule_from_history(self._context, self._history, iteration, self._config.lead_s)
         if iteration < self._config.first_followed_iteration:
             return predicted
 
-        # Steps that the leader missed, or that were not detected, are expected at the time that ECA predicts.
+        # Where the leader has no event in the last iteration (omitted or not detected), use the time that ECA predicts.
         self._leader = self._msp[iteration - 1]
         leader_s = self._history.step_times(iteration - 1)[self._context.cast.index(self._leader)]
         self._expected_s = np.where(np.isfinite(leader_s), leader_s, self._history.schedule)
@@ -226,16 +233,16 @@ class Sia(ScheduledMethod):
         return (*self._fallbacks, *map(SetTimer, self._start_timers))
 
     def _select_leader(self, iteration: int) -> None:
-        """Determine the most synchronous dancer of an iteration that has ended.
+        """Store the most synchronous dancer of an iteration that has ended.
 
         Source: iqbal2016, section III-A.3: "The person with the highest individual synchronization index during an
         iteration is considered the most synchronous person of the group".
         """
         series = self._history.series(iteration)
-        # The window tau of a coincidence is that of the session's own metrics, which report the same person.
+        # Use the tau of the session's measures, so that they report the same most synchronous person.
         choice = most_synchronous(series, self._previous_msp, self._context.tau_s)
         self._msp[iteration] = choice.person
-        # Without events everyone is tied at 0, which says nothing about the next tie.
+        # Without events all dancers are tied at 0; the choice is then arbitrary and must not decide the next tie.
         if any(kinds for _, kinds in series.values()):
             self._previous_msp = choice.person
 
@@ -245,7 +252,7 @@ class Sia(ScheduledMethod):
             self._leader_note += f" (tie with {others})"
 
     def _window_ends(self, iteration: int) -> Array:
-        """(K,) when to stop waiting for the leader's event of each step, after beat 0 [s]."""
+        """(K,) time after beat 0 at which the window of each step closes [s]."""
         iteration_end_s = self._context.window_end_s[iteration] - self._start_s
         ends_s = np.minimum(self._expected_s + self._config.window_s, iteration_end_s)
 
@@ -256,7 +263,7 @@ class Sia(ScheduledMethod):
             if kind is Kind.CLAP:
                 latest_s = command.t_s - self._start_s + self._config.clap_wait_s
             elif kind is Kind.START_BACKWARD and following is not None:
-                # The move back must be over before the leader starts the next phrase, two steps later.
+                # The move back must end before the leader starts the next phrase, two steps later.
                 duration_s = following.t_s - command.t_s
                 latest_s = max(self._expected_s[step], self._expected_time_s(step + 2) - MIN_PAUSE_S - duration_s)
             ends_s[step] = min(ends_s[step], latest_s)
@@ -277,17 +284,18 @@ class Sia(ScheduledMethod):
         )
 
     def _complete_phrase(self, start: int, t_s: float) -> tuple[ScheduleCommand, ...]:
-        """Commands for the rest of a phrase whose start has fallen back, delayed as far as the start was.
+        """Return the commands for the rest of a phrase whose start was sent as a fallback.
 
-        Pauses shrink to `MIN_PAUSE_S`. If the phrase would not be over when the leader is expected to do the next
-        thing, all of it shrinks, at most to `MIN_PHRASE_SHARE`.
+        Steps are first delayed as far as the late start requires, with pauses reduced to `MIN_PAUSE_S`. If the phrase
+        would then end after the leader's next expected step, its remaining duration is multiplied by a factor of at
+        least `MIN_PHRASE_SHARE`.
 
         Args:
             start: ordinal of the start.
-            t_s: session time at which its command was sent [s].
+            t_s: session time at which the command of the start was sent [s].
         """
         rest: list[int] = []
-        # Shift the predicted steps to after the late start, each at its own time at the earliest.
+        # Delay the predicted steps of the phrase until after the late start; none moves to before its predicted time.
         times_s = [t_s]
         for step in self._context.steps[start + 1 :]:
             if step.kind in PHRASE_STARTS:
@@ -310,23 +318,23 @@ class Sia(ScheduledMethod):
         )
 
     def _expected_time_s(self, step: int) -> float:
-        """When the leader is expected to do a step, after beat 0 [s]; infinite after the iteration's last step."""
+        """Expected time of the leader's event of a step, after beat 0 [s]; infinite beyond the last step."""
         return float(self._expected_s[step]) if step < len(self._expected_s) else np.inf
 
     def _skip_closed_steps(self, now_s: float) -> None:
-        """Count steps whose window has closed as resolved: their fallbacks have been sent."""
+        """Mark steps whose window has closed as resolved, since their fallbacks have been sent."""
         count = len(self._window_end_s)
         while self._next_step < count and now_s >= self._start_s + self._window_end_s[self._next_step]:
             self._next_step += 1
 
     def _continues_followed_step(self, kind: Kind) -> bool:
-        """Whether an event of this kind continues the step that was followed just before, and so needs no window."""
+        """Whether an event of this kind continues the phrase of the step followed last, so that no window applies."""
         if self._last_followed != self._next_step - 1 or self._next_step == len(self._context.steps):
             return False
         return kind == self._context.steps[self._next_step].kind and kind not in PHRASE_STARTS
 
     def _nearest_step(self, kind: Kind, after_s: float) -> int | None:
-        """The step of this kind whose expected time is nearest; None if it is farther than the window."""
+        """Ordinal of the step of this kind whose expected time is nearest; None if it is farther than ``window_s``."""
         candidates = [
             (abs(self._expected_s[step.ordinal] - after_s), step.ordinal)
             for step in self._context.steps
@@ -336,7 +344,7 @@ class Sia(ScheduledMethod):
         return ordinal if distance_s <= self._config.window_s else None
 
     def _restore_fallbacks(self) -> tuple[ScheduleCommand, ...]:
-        """The original fallbacks of the steps ahead, if the leader has just come back into a phrase."""
+        """Return the original fallbacks of the remaining steps when the leader resumes a phrase under completion."""
         if self._last_followed != self._next_step - 1 or self._next_step not in self._completion_s:
             return ()
         ahead = [step for step in self._completion_s if step >= self._next_step]
@@ -345,12 +353,12 @@ class Sia(ScheduledMethod):
         return tuple(self._fallbacks[step] for step in ahead)
 
     def _resolve_next_step(self) -> None:
-        """Count the next step as resolved, and drop its timer if it has one."""
+        """Mark the next step as resolved, and remove its timer if it has one."""
         self._start_timers = {t_s: ordinal for t_s, ordinal in self._start_timers.items() if ordinal != self._next_step}
         self._next_step += 1
 
     def _follow_event(self, event: Event) -> ScheduleCommand:
-        """The command of the next step, at once.
+        """Return the command of the next step, to be sent at once.
 
         Source: iqbal2016, section III-A.3, on the early detected events of the most synchronous person.
         """
@@ -361,7 +369,7 @@ class Sia(ScheduledMethod):
         return ScheduleCommand(self._scheduled_iteration, step.ordinal, event.t_arrival_s, why, event.person)
 
     def _schedule_late_move(self, event: Event) -> Sequence[MethodAction]:
-        """Schedule start and stop of a move whose start was not detected, or skip both if there is no time for it."""
+        """Return commands for start and stop of a move whose start was not detected, or skip both if time is short."""
         begun = self._next_step
         start, stop = self._predicted[begun : begun + 2]
         ends_s = event.t_arrival_s + stop.t_s - start.t_s
@@ -379,11 +387,11 @@ class Sia(ScheduledMethod):
         ]
 
     def _skip_step(self, event: Event, *, cancel: bool = False) -> MethodAction:
-        """Action for a step that the leader is past: cancel the start of a move, send a stop or turn at once.
+        """Return the action for a step that the leader has passed: cancel the start of a move, send a stop or turn.
 
         Args:
-            event: what shows that the leader is past it.
-            cancel: cancel the step whatever its kind; for the stop of a start that was cancelled.
+            event: the event that shows that the leader has passed the step.
+            cancel: cancel the step whatever its kind; used for the stop of a start that was cancelled.
         """
         step = self._context.steps[self._next_step]
         self._resolve_next_step()

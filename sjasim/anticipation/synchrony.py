@@ -1,8 +1,8 @@
-"""The paper's synchrony equations: pairwise, individual and group synchronisation index, most synchronous person.
+"""Pairwise, individual and group synchronisation index, and the most synchronous person.
 
-Pure functions of event times and kinds. Events are counted in `coincidences`: two events coincide if they are of one
-kind and less than tau apart. Early events belong to no index: callers leave them out. A turn counts as a clap. The
-origin of time is arbitrary, since only differences enter.
+All functions are pure functions of event times and kinds. Two events coincide if they have the same kind and are less
+than tau apart; `coincidences` counts them. A turn is treated as a clap. Callers must leave out early events, for which
+the indices are not defined. The origin of time is arbitrary, since only time differences are used.
 
 Source: iqbal2016, eqs. (1)-(6), (10), (11); the pairwise index extends quianquiroga2002.
 """
@@ -20,7 +20,7 @@ from ..core.errors import ConfigError
 from .coincidences import BoolArray, Series, count_coincidences
 
 TIE_TOLERANCE = 1e-9
-"""Individual indices closer than this are tied: the difference is rounding."""
+"""Individual indices that differ by at most this are tied; smaller differences are due to rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,9 +28,10 @@ class PairSynchrony:
     """Synchrony of two agents.
 
     Attributes:
-        index: Q_xy; 0 if neither agent has an event. Bursts of one kind closer than tau can lift it above 1.
-        by_kind: Q(e) of every kind that occurs in either series.
-        empty: whether neither agent had an event, so that ``index`` says nothing.
+        index: pairwise synchronisation index Q_xy; 0 if neither agent has an event. It can exceed 1 if an agent has
+            several events of one kind within tau.
+        by_kind: kind -> Q(e), for every kind that occurs in either series.
+        empty: whether neither agent has an event, so that ``index`` is not meaningful.
     """
 
     index: float
@@ -43,13 +44,13 @@ class GroupSynchrony:
     """Group topology graph of one iteration, and the indices that follow from it.
 
     Attributes:
-        agents: the H vertices, in the order of all arrays.
+        agents: names of the H vertices, in the order of the rows and columns of all arrays.
         pairs: (H, H) pairwise indices, symmetric, 0 on the diagonal.
         edges: (H, H) whether an edge leads from row to column.
-        individual: (H,) mean weight of the outgoing edges; 0 for an agent without any.
-        connectivity: (H,) out-degree over H - 1.
-        gsi: the group synchronisation index.
-        empty_pairs: pairs in which neither agent had an event; their index of 0 is no evidence.
+        individual: (H,) individual synchronisation index: mean weight of the outgoing edges; 0 without such edges.
+        connectivity: (H,) out-degree divided by H - 1.
+        gsi: group synchronisation index.
+        empty_pairs: pairs in which neither agent has an event, so that their index of 0 is not meaningful.
     """
 
     agents: tuple[str, ...]
@@ -66,9 +67,10 @@ class MostSynchronous:
     """The most synchronous person of an iteration.
 
     Attributes:
-        person: the most synchronous dancer.
-        tied: everyone with the highest individual index, in the order of the cast; one name if there is no tie.
-        individual: (D,) individual indices, in the order of the cast.
+        person: name of the most synchronous dancer.
+        tied: names of all dancers with the highest individual index, in the order of the series; one name if there is
+            no tie.
+        individual: (D,) individual indices, in the order of the series.
     """
 
     person: str
@@ -77,17 +79,18 @@ class MostSynchronous:
 
 
 def pair_synchrony(a: Series, b: Series, tau: float = 0.25, one_to_one: bool = False) -> PairSynchrony:
-    """Pairwise synchronisation index Q_xy of two agents, with its parts.
+    """Compute the pairwise synchronisation index Q_xy of two agents, and the index Q(e) of each kind.
 
-    A kind that only one agent has gets Q(e) = 0 and keeps its weight, since a missing event is a failure. A kind that
-    neither has does not count. Without any event the index is 0 and ``empty`` is set.
+    A kind that occurs for one agent only has Q(e) = 0 and enters the weighted mean, so that missing events lower the
+    index. A kind that occurs for neither agent does not enter the mean. Without any event the index is 0 and ``empty``
+    is True.
 
     Args:
-        a: times [s] and kinds of one agent's events, in any order.
-        b: those of the other agent.
+        a: times [s] and kinds of the first agent's events, in any order.
+        b: times [s] and kinds of the second agent's events, in any order.
         tau: two events coincide if they are less than this apart [s].
-        one_to_one: match each event at most once (maximum matching), which bounds Q by 1. The printed equation counts
-            every pair of events within tau and is not bounded.
+        one_to_one: match each event at most once (maximum matching), which bounds Q by 1. The equation in the paper
+            counts every pair of events within tau and is not bounded.
 
     Raises:
         ConfigError: tau is not positive, times are not finite, or times and kinds differ in length.
@@ -107,18 +110,19 @@ def pair_index(
     tau: float = 0.25,
     one_to_one: bool = False,
 ) -> float:
-    """Pairwise synchronisation index Q_xy of two agents; `pair_synchrony` returns its parts as well.
+    """Compute the pairwise synchronisation index Q_xy of two agents; `pair_synchrony` also returns Q(e) of each kind.
 
     Args:
-        times_a: (N,) times of one agent's events [s], in any order.
-        kinds_a: (N,) their kinds.
-        times_b: (M,) times of the other agent's events [s].
-        kinds_b: (M,) their kinds.
-        tau: two events coincide if they are less than this apart [s] (iqbal2016: .25).
+        times_a: (N,) times of the first agent's events [s], in any order.
+        kinds_a: (N,) kinds of these events.
+        times_b: (M,) times of the second agent's events [s], in any order.
+        kinds_b: (M,) kinds of these events.
+        tau: two events coincide if they are less than this apart [s] (iqbal2016: .25 s).
         one_to_one: bounded variant, see `pair_synchrony`.
 
     Returns:
-        0 for no synchrony (or no events at all), 1 for full synchrony; bursts of events can exceed 1.
+        the index: 0 for no synchrony or no events, 1 for full synchrony. It can exceed 1 if an agent has several events
+        of one kind within tau and ``one_to_one`` is False.
 
     Source: iqbal2016, eq. (4).
     """
@@ -126,7 +130,7 @@ def pair_index(
 
 
 def individual_index(pairs: Array, edges: BoolArray | None = None) -> Array:
-    """Individual synchronisation index of every agent: the mean weight of its outgoing edges.
+    """Compute the individual synchronisation index of every agent: the mean weight of its outgoing edges.
 
     Args:
         pairs: (H, H) pairwise indices; the diagonal is ignored.
@@ -144,7 +148,13 @@ def individual_index(pairs: Array, edges: BoolArray | None = None) -> Array:
 
 
 def connectivity(edges: BoolArray) -> Array:
-    """(H,) connectivity of every agent: its out-degree over the H - 1 possible edges; 0 for a group of one.
+    """Compute the connectivity of every agent: its out-degree divided by the H - 1 possible edges.
+
+    Args:
+        edges: (H, H) whether an edge leads from row to column; the diagonal is ignored.
+
+    Returns:
+        (H,) values from 0 to 1; 0 for a group of one.
 
     Source: iqbal2016, eq. (10).
     """
@@ -161,25 +171,26 @@ def group_index(
     one_to_one: bool = False,
     robot: str = ROBOT,
 ) -> GroupSynchrony:
-    """Group synchronisation index (GSI) of one iteration, with the graph it is computed from.
+    """Compute the group synchronisation index (GSI) of one iteration, and the graph that it is computed from.
 
-    With the paper's edges, perfect synchrony of three dancers and a robot scores 1 if the robot has all its edges
-    (ECA), 10/12 if it follows one dancer (SIA), and 9/12 if it follows nobody (SIA in iteration 1). Methods can
-    therefore be compared with ``full`` edges only; a session reports both.
+    With the paper's edges, the GSI of three dancers and a robot in perfect synchrony is 1 if the robot has edges to all
+    dancers (ECA), 10/12 if it follows one dancer (SIA), and 9/12 if it follows none (SIA in iteration 1). Use ``full``
+    edges to compare methods. A session reports both.
 
     Args:
-        series: events of one iteration by agent, with or without the robot. An agent without events is included, with
-            empty series.
-        edges: ``paper``: dancers have edges to everyone, the robot to those it follows; ``full``: all edges.
-        follows: whom the robot follows, for ``paper`` edges: None for all dancers (ECA and other methods that use all
-            of them), the most synchronous person of the iteration before for SIA, () for nobody.
+        series: agent -> events of one iteration, with or without the robot. Include agents without events, with empty
+            series.
+        edges: ``paper``: dancers have edges to all agents, the robot to the dancers that it follows; ``full``: all
+            edges.
+        follows: dancers that the robot follows, for ``paper`` edges: None for all dancers (ECA and other methods that
+            use the events of all dancers), one name for SIA, () for none.
         tau: two events coincide if they are less than this apart [s].
         one_to_one: bounded variant, see `pair_synchrony`.
         robot: name of the robot among the agents.
 
     Raises:
-        ConfigError: an unknown edge rule, or ``follows`` names somebody who is not in ``series``, tau is not positive,
-            times are not finite, or times and kinds differ in length.
+        ConfigError: ``edges`` has another value, ``follows`` contains a name that is not a dancer in ``series``, tau is
+            not positive, times are not finite, or times and kinds differ in length.
 
     Source: iqbal2016, eq. (11).
     """
@@ -201,14 +212,15 @@ def group_index(
 def most_synchronous(
     series: Mapping[str, Series], previous: str | None = None, tau: float = 0.25, one_to_one: bool = False
 ) -> MostSynchronous:
-    """The most synchronous person (MSP): the dancer with the highest individual index, in the graph of the dancers.
+    """Determine the most synchronous person (MSP): the dancer with the highest individual index.
 
-    In a tie, which happens in about a third of the iterations, the previous choice is kept if it is among the tied;
-    else the first of them in the order of ``series`` is chosen. In an iteration without events everyone is tied.
+    The indices are computed in the full graph of the dancers. Ties occur in about a third of the iterations. If
+    ``previous`` is one of the tied dancers it is returned, otherwise the first of them in the order of ``series``. In
+    an iteration without events all dancers are tied.
 
     Args:
-        series: the dancers' events of one iteration, at least one dancer, in the order of the cast; no robot.
-        previous: the choice of the iteration before, or None.
+        series: dancer -> events of one iteration, for at least one dancer. It must not contain the robot.
+        previous: most synchronous person of the iteration before, or None.
         tau: two events coincide if they are less than this apart [s].
         one_to_one: bounded variant, see `pair_synchrony`.
 
@@ -224,13 +236,13 @@ def most_synchronous(
 
 
 def _out_edges(count: int, edges: BoolArray | None) -> BoolArray:
-    """(H, H) edges without those from an agent to itself; the full graph for None."""
+    """(H, H) edges without self-loops; the full graph if ``edges`` is None."""
     others = ~np.eye(count, dtype=bool)
     return others if edges is None else np.asarray(edges, dtype=bool) & others
 
 
 def _graph_edges(agents: tuple[str, ...], edges: str, follows: Sequence[str] | None, robot: str) -> BoolArray:
-    """(H, H) edges of the group topology graph, of which those of the robot depend on whom it follows."""
+    """(H, H) edges of the group topology graph; arguments as in `group_index`."""
     if edges not in ("paper", "full"):
         raise ConfigError("edges", edges, "paper or full")
     out = _out_edges(len(agents), None)

@@ -1,4 +1,4 @@
-"""Timing appropriateness: the ideal time of each step, from when the dancers did it, and the robot's distance from it.
+"""Timing appropriateness: ideal time of each step from the dancers' event times, and the robot's deviation from it.
 
 ECA's schedule and the timing appropriateness assign events to steps in the same way: an event belongs to the step of
 its kind whose expected time is nearest, so that one missing event does not shift the ones after it.
@@ -29,9 +29,9 @@ def match_to_steps(
 ) -> Array:
     """Assign an agent's events to the steps of an iteration.
 
-    Every event goes to the step of its kind whose expected time is nearest, whatever the number of events before it.
-    If two events go to one step, the nearer one counts, and of two equally near ones the earlier. Events of a kind
-    that no step has are ignored.
+    Every event is assigned to the step of its kind whose expected time is nearest, independently of the number of
+    events before it. If several events are assigned to one step, the nearest one is kept, and of two equally near ones
+    the earlier. Events of a kind that no step has are ignored.
 
     Args:
         times_s: (N,) event times on the clock of ``expected_s`` [s], in any order.
@@ -63,7 +63,7 @@ def match_to_steps(
 
 
 def main_cluster(times_s: Array, epsilon_s: float = EPSILON_S) -> BoolArray:
-    """Members of the largest cluster under single linkage; of equally large clusters, those of the earliest.
+    """Find the members of the largest cluster under single linkage, or of the earliest of several equally large ones.
 
     Args:
         times_s: (N,) times [s]; NaN belongs to no cluster.
@@ -89,17 +89,17 @@ def main_cluster(times_s: Array, epsilon_s: float = EPSILON_S) -> BoolArray:
 
 
 def ideal_times(dancers_s: Array, epsilon_s: float = EPSILON_S, min_members: int = 1) -> Array:
-    """Mean time of the dancers' main cluster for every step.
+    """Compute the mean time of the dancers' main cluster for every step.
 
     Args:
         dancers_s: (D, K) each dancer's time of each step [s], NaN where missing.
         epsilon_s: see `main_cluster` [s].
-        min_members: fewest members of a cluster that has a mean.
+        min_members: smallest number of members for which a mean is computed.
 
     Returns:
         (K,) ideal times [s], NaN where the cluster is smaller.
 
-    Source: iqbal2016, section VI-B; the mean is taken over those who were detected, where the paper divides by 3.
+    Source: iqbal2016, section VI-B. The mean is taken over the detected dancers; the paper divides by 3.
     """
     columns = np.asarray(dancers_s, dtype=np.float64).T
     ideal_s = np.full(len(columns), np.nan)
@@ -111,7 +111,7 @@ def ideal_times(dancers_s: Array, epsilon_s: float = EPSILON_S, min_members: int
 
 
 def timing_appropriateness(robot_s: Array, dancers_s: Array, epsilon_s: float = EPSILON_S) -> Array:
-    """Timing appropriateness (TA) of every step: how far the robot was from the dancers' mean.
+    """Compute the timing appropriateness (TA) of every step: the robot's distance from the dancers' mean time.
 
     Args:
         robot_s: (K,) the robot's time of each step [s], NaN where it did not perform it.

@@ -33,50 +33,51 @@ _STOP_OF = {Kind.START_FORWARD: Kind.STOP_FORWARD, Kind.START_BACKWARD: Kind.STO
 """Starting event of a move -> the event that ends it."""
 
 ORDER_INTERVAL_S = 0.5
-"""Interval at which every client is told again whether to detect, so that a lost order does no harm [s]."""
+"""Interval at which orders are repeated to every client, so that the loss of one has no lasting effect [s]."""
 
 MAX_REPORT_AGE_S = 1.0
-"""Age beyond the link's round trip from which a report's time stamp is wrong: its clock has jumped [s]."""
+"""Age of a report, beyond the link's round trip, from which its clock is assumed to have jumped [s]."""
 
 SYNC_BURST = 4
-"""Factor by which clock requests are more frequent until the clock has settled: a few seconds after start or jump."""
+"""Factor on the rate of clock requests until the clock has settled, a few seconds after the start or a jump."""
 
 MIN_FACING = 0.5
-"""Least cosine of facing at which events of an expected but not active client count: 60 degrees off."""
+"""Smallest cosine of the facing angle (60 degrees) at which events of an expected, inactive client are accepted."""
 
 BACK_VIEW = -0.5
-"""Cosine of facing below which a client sees the person from behind."""
+"""Cosine of the facing angle below which a client sees the person from behind."""
 
 MIN_SIDE_VIEW = math.cos(math.radians(110.0))
-"""Least cosine of facing at which a client is asked for claps of a person.
+"""Smallest cosine of the facing angle at which a client is ordered to detect claps of a person from the side.
 
-The bearing that the cosine is taken from is that of the whole group. The client's own detector decides with the bearing
-of the person, and accepts up to 100 degrees.
+This angle uses the bearing of the whole group. The detector in the client uses the bearing of the person and accepts
+angles up to 100 degrees.
 """
 
 ClientMessage = DeviceEvent | ClientStatus | SyncReply
-"""What a sensor client sends to the server."""
+"""Messages that a sensor client sends to the server."""
 
 
 class Server:
     """Merges the sensor clients into one stream of events in session time.
 
-    Events of the active client count. At a hand-over events of the other expected client count as well if the person
-    faces it. An event that both report counts once, so that the overlap neither loses nor doubles events. A client
-    that replaces a dead one and sees a person from behind has forward and backward exchanged. Claps are an exception,
-    see `ClapAssistance`: around their beat, clients at the side help with hands that the active client does not see.
+    Events are accepted from the active client. During a hand-over they are also accepted from the other expected
+    client, if the person faces it. An event that both clients report is accepted once, so that the overlap neither
+    loses nor duplicates events. If the client that replaces a dead one sees a person from behind, the kinds forward and
+    backward of its events are exchanged. Around the beat of a clap, claps are also accepted from clients at the side,
+    for dancers whose hands the active client does not see; see `ClapAssistance`.
 
-    The caller passes messages on arrival (`receive`) and asks for outgoing ones (`due_messages`) at `next_due_s`.
+    The caller passes each message on arrival to `receive`, and calls `due_messages` at `next_due_s`.
 
     Args:
-        timetable: when the iterations are.
-        layout: the sensors, and where everyone stands at the start.
-        config: rates of the network, and the options of clap detection.
+        timetable: session times of the iterations.
+        layout: poses of the sensors, and initial positions of the dancers and the robot.
+        config: configuration of the session, of which the network and the clap detection are used.
 
     Attributes:
-        notices: what has gone wrong so far: dead clients, jumped clocks, links that lose packets, events of unknown
-            persons, dancers without events.
-        next_due_s: session time at which `due_messages` has something to do [s].
+        notices: problems so far: dead clients, clock jumps, links that lose packets, events of unknown persons, dancers
+            without events.
+        next_due_s: session time at which `due_messages` is to be called next [s].
     """
 
     def __init__(self, timetable: Timetable, layout: Layout, config: SessionConfig) -> None:
@@ -90,7 +91,7 @@ class Server:
         self._clocks = {sensor: ClockSync() for sensor in self._selector.sensors}
         self._links = {sensor: LinkMonitor(sensor) for sensor in self._clocks}
 
-        # Requests to the clients are spread over the interval, so that the exchanges do not queue behind one another.
+        # Spread the requests to the clients over the interval, so that the exchanges do not delay one another.
         self._sync_interval_s = 1.0 / config.network.sync_hz
         count = len(self._clocks)
         self._sync_due_s = {sensor: index * self._sync_interval_s / count for index, sensor in enumerate(self._clocks)}
@@ -99,12 +100,12 @@ class Server:
         self._order_due_s = 0.0
         self._assistants: frozenset[str] = frozenset()
         self._ordered: tuple[frozenset[str], frozenset[str]] = (frozenset(), frozenset())
-        """Detecting and assisting sensors of the last orders."""
+        """Sensors that the last orders told to detect, and to assist."""
 
         self._unknown: set[tuple[str, int]] = set()
-        """(sensor, person) of unknown persons that have been reported."""
+        """(sensor, person) of unknown persons for which a notice exists."""
         self._started: dict[str, Event] = {}
-        """Dancer -> start of the move that has not ended."""
+        """Dancer -> regular start of the move in progress."""
         self._durations_s: dict[tuple[str, Kind], float] = {}
         """(dancer, starting event) -> duration of the last such move [s]."""
 
@@ -117,14 +118,17 @@ class Server:
         return self._selector.name
 
     def session_time(self, sensor: str, t_device_s: float) -> float:
-        """Session time of a sensor's device time, by the present estimate of its clock [s].
+        """Convert a sensor's device time to session time with the present estimate of its clock [s].
 
-        Before the first exchange the clock is unknown, and the device time itself is returned.
+        Before the first clock exchange the device time is returned unchanged.
         """
         return self._clocks[sensor].session_time(t_device_s)
 
     def cast_indices(self, sensor: str) -> Mapping[int, int]:
-        """A sensor's identities of persons -> indices of dancers. A change of identities gives a new mapping."""
+        """Return the mapping from a sensor's person identities to dancer indices.
+
+        The mapping is not modified later; a change of identities creates a new one.
+        """
         return self._identities.cast_indices(sensor)
 
     def receive(self, t_arrival_s: float, message: ClientMessage) -> list[Event]:
@@ -135,7 +139,7 @@ class Server:
             message: an event, a status report or a clock reply.
 
         Returns:
-            the events that follow from it, at most one.
+            the resulting events: at most one.
         """
         sensor = message.sensor
         self.notices += self._selector.mark_alive(t_arrival_s, sensor)
@@ -160,7 +164,7 @@ class Server:
         return []
 
     def due_messages(self, t_s: float) -> list[SyncRequest | ClientOrder]:
-        """Messages to the clients that are due by session time ``t_s``: clock requests, and orders to detect."""
+        """Return the messages to the clients that are due by session time ``t_s``: clock requests and orders."""
         self.notices += self._selector.select(t_s)
         if self._attendance.next_due_s <= t_s:
             self.notices += self._attendance.check(t_s)
@@ -181,7 +185,7 @@ class Server:
         return messages
 
     def _clock_requests(self, t_s: float) -> list[SyncRequest | ClientOrder]:
-        """Clock requests to the clients for which one is due; each link is checked for packet loss on this occasion."""
+        """Return the clock requests that are due, and check their links for packet loss."""
         requests: list[SyncRequest | ClientOrder] = []
         for sensor, due_s in self._sync_due_s.items():
             if due_s > t_s:
@@ -191,7 +195,7 @@ class Server:
             self.notices += link.check_loss(t_s, alive=self._selector.is_alive(sensor))
             link.request_sent(t_s)
 
-            # Due times stay on their grid: a late call skips requests instead of shifting all later ones.
+            # Keep due times on a fixed grid: a late call skips requests instead of shifting all later ones.
             interval_s = self._sync_interval_s if self._clocks[sensor].settled else self._sync_interval_s / SYNC_BURST
             missed = int((t_s - due_s) / interval_s)
             self._sync_due_s[sensor] = due_s + (missed + 1) * interval_s
@@ -200,7 +204,7 @@ class Server:
         return requests
 
     def _orders(self, detecting: frozenset[str]) -> list[ClientOrder]:
-        """One order for each client: whether to detect, and whether to look out for claps from the side."""
+        """Return one order for each client: whether to detect events, and whether to detect claps from the side."""
         return [
             ClientOrder(
                 sensor,
@@ -223,12 +227,12 @@ class Server:
             self._assistance.update(t_s, self._with_both_hands(sensor, persons))
 
     def _with_both_hands(self, sensor: str, persons: Sequence[PersonStatus]) -> list[str]:
-        """Dancers of whom a client sees both hands."""
+        """Names of the dancers whose hands are both tracked by a client."""
         names = (self._identities.name(sensor, person.person) for person in persons if person.hands == 1.0)
         return [name for name in names if name is not None]
 
     def _select_assistants(self, t_s: float) -> frozenset[str]:
-        """Sensors that look out for claps from the side; a sensor that has begun goes on to the end of the window."""
+        """Select the sensors that detect claps from the side; each stays selected until the window ends."""
         if not self._assistance.in_window(t_s):
             return frozenset()
         unseen = self._assistance.unseen(t_s)
@@ -236,16 +240,16 @@ class Server:
         return (self._assistants | frozenset(able)) - {self.active}
 
     def _has_side_view(self, sensor: str, name: str) -> bool:
-        """Whether a client is alive and sees a dancer at least from the side."""
+        """Whether a client is alive and sees a dancer from the front or the side."""
         person = self._identities.person_id(sensor, name)
         if person is None or not self._selector.is_alive(sensor):
             return False
         return self._selector.facing(sensor, person) >= MIN_SIDE_VIEW
 
     def _known_durations(self, sensor: str) -> tuple[MoveDuration, ...]:
-        """Durations of the dancers' last moves, for the persons that a sensor knows.
+        """Durations of the dancers' last moves, for the persons that a sensor has identified.
 
-        A client that becomes active needs them to detect the early end of a move.
+        A client that becomes active needs them to detect early stops, see `DetectorConfig.early_move_share`.
         """
         return tuple(
             MoveDuration(person, start, duration_s)
@@ -265,7 +269,7 @@ class Server:
             self._durations_s[event.person, start.kind] = event.t_s - start.t_s
 
     def _merge_event(self, t_arrival_s: float, report: DeviceEvent) -> Event | None:
-        """The event that a client's report gives rise to; None if the report does not count or is a duplicate."""
+        """Convert a client's report to an event; None if the report is rejected or a duplicate."""
         sensor = report.sensor
         name = self._identities.name(sensor, report.person)
         if name is None:
@@ -280,7 +284,8 @@ class Server:
         if not (is_faced or assists):
             return None
 
-        # Only a replacement sees the dancers from behind; an expected sensor that does so sees them in a turn.
+        # Only a client that replaces a dead one faces the dancers' backs. An expected sensor sees a back only while the
+        # dancer turns, so its kinds are not exchanged.
         mirrored = sensor not in expected and facing < BACK_VIEW
         return self._merger.merge(report, name, t_s, t_arrival_s, mirrored=mirrored)
 
@@ -292,7 +297,7 @@ class Server:
         self.notices.append(Notice(t_s, sensor, f"event of unknown person {person}"))
 
     def _to_session_time(self, sensor: str, t_device_s: float, t_arrival_s: float) -> float:
-        """Session time of a report [s]; from its arrival while the clock is unknown or has obviously jumped."""
+        """Session time of a report [s], estimated from its arrival if the clock is unknown or has evidently jumped."""
         clock = self._clocks[sensor]
         if not clock.locked:
             return t_arrival_s

@@ -26,24 +26,24 @@ REPLAY_PREFIX = "replay:"
 
 
 def make_human_timing(config: SessionConfig, timetable: Timetable) -> HumanTiming:
-    """Make the human timing model of a session.
+    """Create the human timing model of a session.
 
     ``config.humans`` is one of
 
     - a preset's name,
     - a TOML file with the fields of `TimingParameters`,
     - ``replay:FILE``, an event table or a session's folder; ``replay:FILE#SESSION`` for a table of several sessions,
-    - ``module:Class``, an implementation of `HumanTiming`. It is called with the arguments of `EnsembleTiming` except
-      the parameters.
+    - ``module:Class``, an implementation of `HumanTiming`. Its constructor takes the arguments of `EnsembleTiming`
+      without ``parameters``.
 
     Raises:
-        SjasimError: there is no such preset, the file is not valid, or the model does not fit the group.
+        SjasimError: the preset does not exist, the file is invalid, or the model does not match the number of dancers.
     """
     name = config.humans
     if name.startswith(REPLAY_PREFIX):
         return _replay(name.removeprefix(REPLAY_PREFIX), timetable, config.dancers)
 
-    # Separate streams, so that the same people can dance another performance.
+    # Separate streams: the same persons can give different performances, and all methods meet the same persons.
     person_rng = stream(config.seed, "humans", "group")
     performance_rng = stream(config.seed, "humans", "performance", config.performance or config.method)
     if name.endswith(".toml"):
@@ -59,7 +59,7 @@ def make_human_timing(config: SessionConfig, timetable: Timetable) -> HumanTimin
 
 
 def _replay(source: str, timetable: Timetable, dancers: int) -> Replay:
-    """The timing model that repeats the events of one recorded session."""
+    """Create the timing model that replays the events of one recorded session."""
     file, _, wanted = source.partition("#")
     events = read_event_table(Path(file))
     sessions = sorted({event.session for event in events})
@@ -73,10 +73,10 @@ def _replay(source: str, timetable: Timetable, dancers: int) -> Replay:
 
 
 def perceived_timing_error_s(cues: Sequence[Cue], robot_events: Sequence[AgentEvent]) -> float | None:
-    """Mean timing error of the robot in an iteration, as the dancers perceive it [s].
+    """Compute the mean timing error of the robot in an iteration, as the dancers perceive it [s].
 
-    The error of a robot event is its distance from the dancers' mean time of the nearest event of the same kind. A turn
-    of the robot is compared with claps, since the robot turns where the dancers clap.
+    The error of a robot event is its distance from the mean time of the dancers' nearest event of the same kind. A turn
+    of the robot is compared with the dancers' claps, since the choreography has the robot turn where dancers clap.
 
     Args:
         cues: the dancers' cues of the iteration.
@@ -100,7 +100,7 @@ def perceived_timing_error_s(cues: Sequence[Cue], robot_events: Sequence[AgentEv
 
 
 def sample_build(config: SessionConfig, dancer: int) -> Build:
-    """Draw the stature and mass of a dancer, which depend on the seed but not on the method."""
+    """Draw stature and mass of a dancer. They depend on the seed and the dancer's index, but not on the method."""
     rng = stream(config.seed, "humans", "person", dancer)
     stature_m = float(rng.uniform(*config.body.stature_m))
     mass_kg = float(rng.uniform(*config.body.mass_kg))
@@ -108,7 +108,11 @@ def sample_build(config: SessionConfig, dancer: int) -> Build:
 
 
 def cues_with_faults(cues: tuple[Cue, ...], faults: Sequence[FaultConfig]) -> tuple[Cue, ...]:
-    """Apply the faults ``dancer_late`` and ``dancer_stops``: cues are delayed or left out."""
+    """Apply the faults ``dancer_late`` and ``dancer_stops``, and return the cues that are performed.
+
+    ``dancer_late`` delays the cues of its target by ``FaultConfig.value``; ``dancer_stops`` removes them. Both affect
+    cues from ``FaultConfig.t_s`` on.
+    """
     performed = cues
     for fault in faults:
         if fault.kind == "dancer_late":
@@ -119,5 +123,5 @@ def cues_with_faults(cues: tuple[Cue, ...], faults: Sequence[FaultConfig]) -> tu
 
 
 def _is_affected(cue: Cue, fault: FaultConfig) -> bool:
-    """Whether a fault of a dancer applies to a cue."""
+    """Whether a cue belongs to the fault's target and begins at or after the fault."""
     return cue.dancer == fault.target and cue.t_s >= fault.t_s
