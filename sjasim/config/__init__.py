@@ -1,7 +1,8 @@
-"""Configuration: a frozen dataclass for each part of the system; `SessionConfig` holds them all.
+"""Configuration of sessions: one frozen dataclass for each part of the system, and `SessionConfig` with all of them.
 
-Every value is checked when the object is made, so that a wrong one is refused before a session starts. A default that
-no source supports is marked ``assumed``. `toml_file` converts to and from plain data and TOML.
+Each dataclass checks its values when it is created, so that an invalid configuration fails before a session starts.
+Defaults without a source are marked ``assumed``. `toml_file` converts a configuration to and from plain data and TOML.
+The docstrings are also the help texts of the command line.
 """
 
 from .body import BodyConfig

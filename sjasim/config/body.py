@@ -1,4 +1,4 @@
-"""Bodies of the dancers and the support of their balance."""
+"""Configuration of the dancers' bodies and of the balance support."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ class BodyConfig:
     Attributes:
         model: ``sjasim`` (sjasim's own), ``cmu`` (the CMU humanoid of dm_control, which must be installed) or
             module:Class.
-        stature_m: smallest and largest stature [m]; each dancer's is drawn between them.
-        mass_kg: smallest and largest mass [kg]; each dancer's is drawn between them.
-        balance_support: ``weak``: forces and torques of limited size at the pelvis help a dancer to stay upright.
-            ``none``: dancers balance alone. Physics and balance control then run at 240 Hz unless rates other than the
-            default ones are given, at which no dancer stays upright alone.
+        stature_m: smallest and largest stature [m]; the stature of each dancer is drawn uniformly between them.
+        mass_kg: smallest and largest mass [kg]; the mass of each dancer is drawn uniformly between them.
+        balance_support: ``weak``: limited forces and torques at the pelvis help the dancers to stay upright. ``none``:
+            dancers balance without support. Default rates of physics and balance control are then replaced by 240 Hz,
+            because dancers without support fall at the default rates.
         support_force_n: largest horizontal force of the balance support along each axis [N].
         support_torque_nm: largest torque of the balance support about each axis [Nm].
     """
@@ -38,6 +38,7 @@ class BodyConfig:
         ):
             if not least <= low <= high <= most:
                 raise ConfigError(name, (low, high), f"two rising numbers from {least:g} to {most:g}")
+
         one_of("body.balance_support", self.balance_support, ("weak", "none"))
         within("body.support_force_n", self.support_force_n, 0.0, 200.0)
         within("body.support_torque_nm", self.support_torque_nm, 0.0, 200.0)

@@ -12,8 +12,10 @@ class ClockConfig:
     """Errors of the sensor clients' clocks.
 
     Attributes:
-        max_offset_s: largest offset from the server's clock at the start [s]; drawn uniformly in both directions.
-        max_skew: largest relative rate error; drawn uniformly in both directions (quartz of a PC: about 50e-6).
+        max_offset_s: largest initial offset from the server's clock [s]; positive and negative offsets up to it are
+            equally probable.
+        max_skew: largest relative rate error (quartz of a PC: about 50e-6); positive and negative errors up to it are
+            equally probable.
     """
 
     max_offset_s: float = 0.5

@@ -16,14 +16,14 @@ class DanceConfig:
         name: a registered choreography or module:function.
         bpm: tempo of the music [beats/min] (iqbal2016: 118).
         step_m: nominal length of a forward or backward move [m].
-        tempo: changes of the tempo: pairs of a beat of the music and the factor of ``bpm`` there, between which the
-            factor changes linearly. A rising factor is an accelerando, a falling one a ritardando. Beat 0 is the first
-            of the music, which is the rehearsal's if there is one.
-        pauses: pairs of a beat of the music and the seconds of silence before it.
-        lead_in_s: silence before the music [s], during which the clocks are synchronised.
+        tempo: tempo changes, as pairs of a beat of the music and a factor of ``bpm``. The factor is interpolated
+            linearly between the beats; an increasing factor is an accelerando. Beat 0 is the first beat of the music,
+            in the rehearsal if there is one.
+        pauses: pauses of the music, as pairs of a beat and the duration of the pause before it [s].
+        lead_in_s: time before the music starts [s], in which the clocks are synchronised.
         tail_s: duration of the session after the last beat [s].
-        rehearsal: Precede the dance by one iteration of humans only, from which the methods learn;
-            ``--dance.no-rehearsal`` leaves it out.
+        rehearsal: Start with one iteration without the robot, from which the methods predict the next one;
+            ``--dance.no-rehearsal`` omits it.
     """
 
     name: str = "paper"

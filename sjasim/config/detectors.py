@@ -9,26 +9,28 @@ from .checks import within
 
 @dataclass(frozen=True, slots=True)
 class DetectorConfig:
-    """Thresholds of the event detectors of the sensor clients. Frames are those of a rate of 30 Hz.
+    """Thresholds of the event detectors of the sensor clients. Numbers of frames refer to a frame rate of 30 Hz.
 
     Attributes:
-        difference_frames: frames over which the velocity of SpineBase is computed; more frames give a smoother, later
-            velocity.
-        start_speed_m_s: speed above which a move starts [m/s]; a higher one detects starts later and misses slow moves.
-        stop_speed_m_s: speed below which a move stops [m/s]; a higher one detects stops earlier.
+        difference_frames: number of frames over which the velocity of SpineBase is computed. A larger value gives less
+            noise and more delay.
+        start_speed_m_s: speed above which a move starts [m/s]. A larger value detects starts later and misses slow
+            moves.
+        stop_speed_m_s: speed below which a move stops [m/s]. A larger value detects stops earlier.
         min_move_s: shortest duration of a move [s]; no stop is detected earlier.
         min_hold_s: shortest time between a stop and the next start [s].
-        early_displacement_m: smallest displacement of a joint in one frame that counts for an early event [m]; it
+        early_displacement_m: displacement from frame to frame above which a joint is moving, for early events [m]. It
             should be at least 3.5 times the noise from frame to frame.
-        early_joints: number of joints among SpineMid, both shoulders and Neck that must exceed it.
-        early_frames: number of consecutive frames in which they must.
-        early_refractory_s: time after a regular stop before which no early start is detected [s].
-        early_move_share: share of the duration of the dancer's last move of the same kind before which no early stop is
+        early_joints: smallest number of moving joints among SpineMid, both shoulders and Neck for an early start.
+        early_frames: number of consecutive frames in which the condition of an early event must hold.
+        early_refractory_s: time after a regular stop in which no early start is detected [s].
+        early_move_share: fraction of the duration of the person's last move of the same kind in which no early stop is
             detected (assumed: iqbal2016 says only "half of the joint positions changed").
         clap_ratio: ratio of hand distance to shoulder distance below which a local minimum is a clap.
         clap_refractory_s: shortest time between two claps [s].
-        side_clap_window_s: time before and after the beat of a clap in which other sensors report claps of dancers
-            whose hands the active client does not see [s]; 0: only the active client reports, as in iqbal2016.
+        side_clap_window_s: time before and after the beat of a clap in which claps of dancers whose hands the active
+            client does not see are accepted from other clients [s]. With 0, as in iqbal2016, only the active client
+            reports claps.
     """
 
     difference_frames: int = 4

@@ -1,4 +1,4 @@
-"""Faults that a session can inject."""
+"""Configuration of the faults that are injected in a session."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ FAULTS = {
 
 @dataclass(frozen=True, slots=True)
 class FaultConfig:
-    """A fault to inject.
+    """A fault that is injected in a session.
 
     Attributes:
-        kind: ``dead_sensor``, ``clock_jump``, ``dancer_stops``, ``dancer_late``, ``robot_blocked`` (its wheels do not
-            turn) or ``dead_robot`` (it neither receives nor reports nor drives). Lost packets are
-            ``network.packet_loss``.
-        target: a sensor (``north``...), a dancer (``dancer_1``...) or ``robot``.
+        kind: ``dead_sensor``, ``clock_jump``, ``dancer_stops``, ``dancer_late``, ``robot_blocked`` (the wheels do not
+            turn) or ``dead_robot`` (the robot neither receives nor sends messages, and does not move). Use
+            ``network.packet_loss`` for lost packets.
+        target: name of a sensor (``north``...), of a dancer (``dancer_1``...), or ``robot``.
         t_s: session time at which the fault begins [s].
-        value: size of a jump or of a lateness [s]; not used by other kinds.
+        value: size of a clock jump, or delay of a late dancer's moves [s]; not used by other kinds.
     """
 
     kind: str

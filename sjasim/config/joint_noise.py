@@ -1,4 +1,4 @@
-"""Errors of the skeletons of joint sensing."""
+"""Error model of the skeletons of joint sensing."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from .checks import within
 
 @dataclass(frozen=True, slots=True)
 class JointNoiseConfig:
-    """Errors of the skeletons that ``joints`` sensing makes from true joints; ``depth`` sensing does not use them.
+    """Errors that ``joints`` sensing adds to the true joints; ``depth`` sensing does not use them.
 
-    The defaults are fitted to the errors of ``depth`` sensing by ``scripts/fit_joint_errors.py`` (seeds 8760 to 8769).
+    ``scripts/fit_joint_errors.py`` fits the defaults to the errors of ``depth`` sensing (seeds 8760 to 8769).
 
     Attributes:
         bias_m: standard deviation of a joint's constant error, per axis [m].
         drift_m: standard deviation of the slowly varying error of a visible joint of trunk or head, per axis [m].
-        drift_correlation: correlation of that error between successive frames; with ``drift_m`` it changes by .035 cm
-            from frame to frame.
-        limb_drift_m: the same as ``drift_m`` for joints of arms and legs [m].
-        limb_drift_correlation: the same as ``drift_correlation`` for them.
-        occluded_factor: factor by which both errors are larger while the joint is occluded.
-        occluded_factor_hand: the same factor for elbows, wrists and hands.
+        drift_correlation: correlation of the slowly varying error between successive frames. With the default values
+            the error changes by .035 cm from frame to frame.
+        limb_drift_m: standard deviation of the slowly varying error of a visible joint of arms and legs, per axis [m].
+        limb_drift_correlation: correlation of that error between successive frames.
+        occluded_factor: factor on both errors while a joint is occluded.
+        occluded_factor_hand: factor on both errors while an elbow, wrist or hand is occluded.
     """
 
     bias_m: float = 0.0103

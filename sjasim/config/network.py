@@ -1,4 +1,4 @@
-"""Delays and losses of messages."""
+"""Configuration of the network: delays and losses of messages."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ class NetworkConfig:
     """The local network between sensor clients, server and robot.
 
     Attributes:
-        latency_s: shortest one-way delay [s].
-        jitter_s: mean of the exponentially distributed delay on top of it [s].
+        latency_s: smallest one-way delay [s].
+        jitter_s: mean of the exponentially distributed delay that is added to the latency [s].
         packet_loss: probability that a message is lost.
-        uplink_asymmetry_s: additional delay from client to server only [s]; an asymmetric link biases every clock
-            exchange.
+        uplink_asymmetry_s: additional delay from client to server only [s]. It biases clock synchronisation by half of
+            its value.
         sync_hz: clock exchanges per second and client [Hz].
         heartbeat_hz: rate at which the server repeats the robot's current command [Hz].
     """

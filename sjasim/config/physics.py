@@ -14,8 +14,8 @@ class PhysicsConfig:
     Attributes:
         rate_hz: physics steps per second [Hz]; 150 is a multiple of the rates of cameras, odometry and balance control.
         control_hz: rate of the balance controller and of the joint targets [Hz].
-        ground_truth_hz: lowest rate at which the true state is logged [Hz]. It is raised so that a whole number of
-            control steps lies between two rows: without balance support 50 becomes 60.
+        ground_truth_hz: lowest rate at which the ground truth is recorded [Hz]. The rate is increased to ``control_hz``
+            divided by a whole number: without balance support (240 Hz), 50 becomes 60.
     """
 
     rate_hz: int = 150

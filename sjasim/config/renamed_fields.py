@@ -1,4 +1,4 @@
-"""Former names of configuration fields, which configuration files, options and session folders may still carry."""
+"""Former names of configuration fields, which files, options and session folders of earlier versions contain."""
 
 from __future__ import annotations
 
@@ -40,17 +40,17 @@ RENAMED = {
     "clocks.offset_s": "clocks.max_offset_s",
     "clocks.drift": "clocks.max_skew",
 }
-"""Former dotted name -> present one. The name of a table stands for all its fields that have no row of their own."""
+"""Former dotted name -> present name. The entry of a table applies to its fields that have no entry of their own."""
 
 RENAMED_SIA_OPTIONS = {
     "method_options.tau_s": "synchrony.tau_s",
     "method_options.effective_from": "method_options.first_followed_iteration",
 }
-"""The same for the options of the method ``sia``."""
+"""Former dotted name -> present name, for the options of the method ``sia``."""
 
 
 def present_name(name: str) -> str:
-    """Present dotted name of a configuration field; the name itself unless it is a former one."""
+    """Return the present dotted name of a configuration field; a name that has not changed is returned unchanged."""
     if name in RENAMED:
         return RENAMED[name]
 
@@ -62,17 +62,17 @@ def with_present_names(data: Mapping[str, object]) -> tuple[dict[str, object], d
     """Replace former field names in plain configuration data.
 
     Args:
-        data: fields of `SessionConfig`, tables as nested mappings. Where a field is given by both its names the present
-            name wins.
+        data: fields of `SessionConfig`, with tables as nested mappings. If a field is given under both names, the value
+            of the present name is used.
 
     Returns:
-        the data with present names; and former name -> present name of every field that was renamed.
+        the data with present names, and a mapping former name -> present name of the fields that were renamed.
     """
     out: dict[str, object] = {}
     renamed: dict[str, str] = {}
     for name, value in _flat(data):
         present = present_name(name)
-        # A plug-in may have options of its own with these names.
+        # Other methods may have options with the same names, so these renames apply to SIA only.
         if data.get("method", "sia") == "sia":
             present = RENAMED_SIA_OPTIONS.get(name, present)
         if present != name:
@@ -82,12 +82,12 @@ def with_present_names(data: Mapping[str, object]) -> tuple[dict[str, object], d
 
 
 def renamed_message(former: str, present: str) -> str:
-    """One line that tells a user of a field's present name."""
+    """Return the warning for a former field name."""
     return f"{former} is now called {present}; the former name is accepted until sjasim {UNTIL}"
 
 
 def _flat(data: Mapping[str, object]) -> list[tuple[str, object]]:
-    """(dotted name, value) of every field, of tables field by field; an empty table is a value."""
+    """Return (dotted name, value) of every field, including the fields of tables; an empty table is kept as a value."""
     rows: list[tuple[str, object]] = []
     for key, value in data.items():
         if isinstance(value, Mapping) and value:
@@ -98,7 +98,7 @@ def _flat(data: Mapping[str, object]) -> list[tuple[str, object]]:
 
 
 def _put(out: dict[str, object], name: str, value: object, *, replace: bool) -> None:
-    """Set a dotted name; a value that is there already is kept unless ``replace``."""
+    """Set the value of a dotted name in ``out``; an existing value is kept unless ``replace`` is True."""
     table, dot, field = name.partition(".")
     if not dot:
         out[name] = value if replace else out.get(name, value)

@@ -1,4 +1,4 @@
-"""The robot's base: a TurtleBot 2."""
+"""Configuration of the robot, a TurtleBot 2."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ class RobotConfig:
         max_yaw_rate_rad_s: largest yaw rate [rad/s] (Kobuki: 180 degrees/s).
         ticks_per_rev: encoder ticks per revolution of a wheel (Kobuki: 2578.33).
         odometry_hz: rate of encoders, gyro and wheel commands [Hz] (Kobuki: 50 Hz).
-        cruise_m_s: speed of a move [m/s], unless the server needs another one to return the robot to its slot.
+        cruise_m_s: speed of a forward or backward move [m/s]. The server adjusts it to return the robot to its slot.
         turn_rate_rad_s: largest yaw rate of a commanded turn [rad/s]; above 110 degrees/s the gyro is less accurate.
         acceleration_m_s2: largest acceleration of the velocity smoother [m/s^2].
         yaw_acceleration_rad_s2: largest yaw acceleration of the velocity smoother [rad/s^2].
-        command_latency_s: time from the arrival of a command to the first wheel command [s] (real bases lag by .16 to
-            .22 s in all).
-        cmd_timeout_s: time without a message after which the base stops [s].
+        command_latency_s: time from the arrival of a command to the first wheel command [s] (total latency of real
+            bases: .16 to .22 s).
+        cmd_timeout_s: time without a received message after which the base stops [s].
         wheel_radius_error: relative error of the wheel radius that odometry uses.
         wheel_separation_error: relative error of the wheel separation that odometry uses.
         gyro_bias_rad_s: constant error of the gyro [rad/s].

@@ -1,4 +1,4 @@
-"""Places of dancers, robot and sensors."""
+"""Configuration of the positions of dancers, robot and sensors."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from .checks import within
 
 @dataclass(frozen=True, slots=True)
 class SceneConfig:
-    """Places of dancers, robot and sensors.
+    """Positions of dancers, robot and sensors.
 
     Attributes:
         side_m: side of the square of four slots (layout ``square``), or distance between rows and columns (layout
             ``rows``) [m].
-        turn_rad: angle by which the square is rotated [rad]; at 31.5 degrees every sensor sees all four bodies.
+        turn_rad: angle by which the square is rotated [rad]. At the default of 31.5 degrees every sensor sees all four
+            bodies.
         slots_m: slots of layout ``custom``: x and y of each dancer, then of the robot [m].
         sensor_distance_m: distance of each sensor from the centre [m].
         sensor_height_m: height of the sensors' optical centres above the floor [m] (iqbal2016: .91 m).

@@ -1,4 +1,4 @@
-"""The four depth sensors."""
+"""Configuration of the four depth sensors."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ class SensorConfig:
     Attributes:
         rate_hz: frame rate [Hz].
         status_hz: rate of the clients' status reports [Hz].
-        standby_hz: frame rate of a client that does not detect events [Hz]. Status reports between its frames contain
+        standby_hz: frame rate of a client that does not detect events [Hz]. Its status reports between frames contain
             no persons.
-        latency_frames: frames between the capture of a frame and the end of its processing (Kinect v2: about 2).
+        latency_frames: time from the capture of a frame to the end of its processing, in frames (Kinect v2: about 2).
         horizontal_fov_rad: horizontal field of view [rad]; 70.6 degrees.
         vertical_fov_rad: vertical field of view [rad]; 60 degrees.
         min_range_m: smallest distance of a tracked person [m].
         max_range_m: largest distance of a tracked person [m]; joints beyond it are inferred.
-        frame_loss: probability that a frame is never delivered.
+        frame_loss: probability that a frame is lost.
         width_px: width of a depth image: 512 (512 x 424) or 256 (256 x 212).
     """
 
@@ -51,6 +51,6 @@ class SensorConfig:
         within("sensors.min_range_m", self.min_range_m, 0.0, 2.0)
         within("sensors.max_range_m", self.max_range_m, 2.0, 20.0)
         within("sensors.frame_loss", self.frame_loss, 0.0, 0.9)
-        # The full image of a Kinect v2, or every second pixel of it.
+        # The full width of a Kinect v2's depth image, or half of it.
         if self.width_px not in (256, 512):
             raise ConfigError("sensors.width_px", self.width_px, "256 or 512")

@@ -1,4 +1,4 @@
-"""The whole configuration of one session."""
+"""Complete configuration of one session."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ SUPPORTED_RATES_HZ = (PhysicsConfig().rate_hz, PhysicsConfig().control_hz)
 """Default rates of physics and balance control for dancers with balance support."""
 
 UNSUPPORTED_RATES_HZ = (240, 240)
-"""Rates that replace the default ones without balance support: at the default ones no dancer stays upright alone."""
+"""Rates that replace the default ones without balance support, because dancers fall at the default rates."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,25 +39,25 @@ class SessionConfig:
 
     Attributes:
         method: anticipation method: a registered name, module:Class, or ``none`` for a session without a robot.
-        humans: when the dancers move: a preset of the human timing model, FILE.toml with own parameters,
-            ``replay:FILE`` of an event table or a session's folder, or module:Class.
-        seed: seed of everything random in the session.
+        humans: human timing model: the name of a preset, FILE.toml with parameters, ``replay:FILE`` with an event table
+            or a session's folder, or module:Class.
+        seed: seed of all random numbers of the session.
         dancers: number of dancers, up to 8; up to 6 with ``depth`` sensing.
         sensing: source of the skeletons: ``depth`` (simulated depth images and nothing else) or ``joints`` (true
             joints that are not occluded, with errors fitted to those of ``depth``; seven to nine times as fast).
         iterations: number of iterations after the rehearsal.
         layout: arrangement of the slots: ``square``, ``rows`` or ``custom``.
-        performance: name of the performance. The same seed and name give the same performance to every method; "" gives
-            every method a performance of its own by the same people.
-        fidelity: what stands in for reality: ``physics``, the simulated bodies, robot and sensors.
-        method_options: options of the method, by the names of the fields of its configuration.
+        performance: name of the performance. Sessions with the same seed and name have the same performance under every
+            method. With "", each method has a different performance by the same persons.
+        fidelity: world that is simulated: ``physics`` (bodies, robot and sensors in MuJoCo).
+        method_options: option -> value, by the names of the fields of the method's configuration.
         faults: faults to inject.
-        scene: places of dancers, robot and sensors.
+        scene: positions of dancers, robot and sensors.
         dance: choreography and music.
         body: bodies of the dancers.
         physics: rates of the simulation.
-        robot: the robot's base.
-        sensors: the depth sensors.
+        robot: dimensions, limits and errors of the robot's base.
+        sensors: rates, fields of view and ranges of the depth sensors.
         joint_noise: errors of the skeletons of ``joints`` sensing.
         detectors: thresholds of the event detectors.
         network: delays and losses of messages.
@@ -100,7 +100,7 @@ class SessionConfig:
         if isinstance(self.seed, float):
             raise ConfigError("seed", self.seed, "a whole number")
 
-        # The object is frozen; a derived value can only be set like this.
+        # object.__setattr__ is needed because the dataclass is frozen.
         rates_hz = (self.physics.rate_hz, self.physics.control_hz)
         if self.body.balance_support == "none" and rates_hz == SUPPORTED_RATES_HZ:
             rate_hz, control_hz = UNSUPPORTED_RATES_HZ

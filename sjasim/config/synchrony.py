@@ -12,8 +12,8 @@ class SynchronyConfig:
     """Parameters of the synchrony measures.
 
     Attributes:
-        tau_s: largest time between two events of a kind that count as synchronous [s] (iqbal2016: .25 s).
-        one_to_one: Match events one to one, which bounds Q by 1; the paper's equation does not.
+        tau_s: two events of a kind coincide if they are less than this apart [s] (iqbal2016: .25 s).
+        one_to_one: Match each event at most once, which bounds Q by 1; the equation in iqbal2016 is not bounded.
     """
 
     tau_s: float = 0.25

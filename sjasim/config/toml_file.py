@@ -1,4 +1,4 @@
-"""Converts a configuration to and from plain data and TOML. An error names the field and what is allowed."""
+"""Conversion of a configuration to and from plain data and TOML. Errors name the field and the allowed values."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from . import SessionConfig
 from .renamed_fields import renamed_message, with_present_names
 
 WORDS = {int: "a whole number", float: "a number", bool: "true or false", str: "a string"}
-"""Type of a field -> the values it accepts, in words."""
+"""Type of a field -> description of its values, for error messages."""
 
 
 def to_plain(config: SessionConfig) -> dict[str, object]:
-    """The configuration as dictionaries, lists, strings, numbers and booleans, as JSON and TOML hold them."""
+    """Convert a configuration to dictionaries, lists, strings, numbers and booleans, as in JSON and TOML."""
     plain = _plain(config)
     assert isinstance(plain, dict)
     return plain
 
 
 def from_plain(data: Mapping[str, object], base: SessionConfig | None = None, *, warn: bool = False) -> SessionConfig:
-    """Make a configuration from plain data.
+    """Create a configuration from plain data.
 
     Args:
-        data: fields of `SessionConfig`, tables as nested mappings. Former names of fields are accepted.
-        base: gives the values of absent fields; the defaults if None.
-        warn: whether a former name gives a warning.
+        data: fields of `SessionConfig`, with tables as nested mappings. Former field names are accepted.
+        base: configuration with the values of absent fields; None for the defaults.
+        warn: whether to issue a `FutureWarning` for each former name.
 
     Raises:
         ConfigError: a key is unknown or a value has the wrong type or is out of range; the message names the field.
@@ -49,10 +49,10 @@ def from_plain(data: Mapping[str, object], base: SessionConfig | None = None, *,
 
 
 def read_toml(path: str | Path, base: SessionConfig | None = None) -> SessionConfig:
-    """Read a configuration file. Fields that it does not contain keep the value of the base.
+    """Read a configuration file. Fields that it does not contain keep the value of ``base``.
 
     Raises:
-        ConfigError: the file cannot be read, is not TOML, or holds a wrong field.
+        ConfigError: the file cannot be read, is not TOML, or contains an unknown field or an invalid value.
     """
     try:
         data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
@@ -64,17 +64,17 @@ def read_toml(path: str | Path, base: SessionConfig | None = None) -> SessionCon
 
 
 def to_toml(config: SessionConfig) -> str:
-    """The configuration as TOML text, from which `read_toml` makes an equal value."""
+    """Convert a configuration to TOML text, from which `read_toml` restores an equal configuration."""
     return tomli_w.dumps(to_plain(config))
 
 
 def checked_value(hint: Any, value: object, path: str) -> Any:
-    """A value from a file as the type of the field that it is for.
+    """Convert a value from a file to the type of its field.
 
     Args:
         hint: the field's annotation.
         value: a number, a string, a boolean, a list or a mapping.
-        path: dotted name of the field, for the message.
+        path: dotted name of the field, for error messages.
 
     Raises:
         ConfigError: the value has another type.
@@ -83,7 +83,7 @@ def checked_value(hint: Any, value: object, path: str) -> Any:
 
 
 def _plain(value: object) -> object:
-    """The value without dataclasses and tuples."""
+    """Return the value with dataclasses replaced by dictionaries, and tuples by lists."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
     if isinstance(value, Mapping):
@@ -94,12 +94,12 @@ def _plain(value: object) -> object:
 
 
 def _updated(base: Any, data: object, path: str) -> Any:
-    """A dataclass of the configuration with the given fields.
+    """Return a dataclass of the configuration with the given fields.
 
     Args:
-        base: an instance, whose other fields are kept, or the class, whose defaults are used.
-        data: the fields.
-        path: dotted name of the dataclass, "" at the root.
+        base: an instance whose other fields are kept, or a class whose defaults are used.
+        data: the given fields.
+        path: dotted name of the dataclass; "" at the root.
     """
     if not isinstance(data, Mapping):
         raise ConfigError(path or "config", data, "a table of fields")
@@ -116,7 +116,7 @@ def _updated(base: Any, data: object, path: str) -> Any:
 
     if not isinstance(base, type):
         return dataclasses.replace(base, **changes)
-    # A new object, such as an element of a list of faults, must have every field that has no default.
+    # Fields without a default must be given for a new object, such as an element of the list of faults.
     for field in dataclasses.fields(base):
         if field.name not in changes and field.default is field.default_factory is dataclasses.MISSING:
             raise ConfigError(prefix + field.name, None, "it must be given")
@@ -124,7 +124,7 @@ def _updated(base: Any, data: object, path: str) -> Any:
 
 
 def _parsed(hint: Any, value: object, current: object, path: str) -> object:
-    """The value as the annotated type; see `checked_value`. ``current`` is the field's value so far, or None."""
+    """Convert a value to the annotated type; see `checked_value`. ``current`` is the field's old value, or None."""
     origin = get_origin(hint)
     arguments = get_args(hint)
     if dataclasses.is_dataclass(hint):
@@ -138,7 +138,7 @@ def _parsed(hint: Any, value: object, current: object, path: str) -> object:
             raise ConfigError(path, value, "a table")
         return {str(key): _parsed(arguments[1], item, None, f"{path}.{key}") for key, item in value.items()}
 
-    # TOML and JSON write 120 for a number that happens to be whole.
+    # In TOML and JSON a float field may be written without a decimal point, such as 120.
     if hint is float and isinstance(value, int) and not isinstance(value, bool):
         return float(value)
     if hint in WORDS and type(value) is not hint:
@@ -147,14 +147,14 @@ def _parsed(hint: Any, value: object, current: object, path: str) -> object:
 
 
 def _parsed_union(arguments: tuple[Any, ...], value: object, path: str) -> object:
-    """The value if it has exactly one of the types; a boolean is no whole number here."""
+    """Return the value if its type is one of the annotated ones. A boolean is not accepted as an integer."""
     if type(value) in arguments or (value is None and type(None) in arguments):
         return value
     raise ConfigError(path, value, " or ".join(WORDS.get(item, str(item)) for item in arguments))
 
 
 def _parsed_tuple(arguments: tuple[Any, ...], value: object, path: str) -> tuple[object, ...]:
-    """The list as a tuple of the annotated length and types."""
+    """Convert a list to a tuple of the annotated length and types."""
     if not isinstance(value, list | tuple):
         raise ConfigError(path, value, "a list")
     if len(arguments) == 2 and arguments[1] is Ellipsis:
@@ -168,7 +168,7 @@ def _parsed_tuple(arguments: tuple[Any, ...], value: object, path: str) -> tuple
 
 
 def _known(key: str, known: tuple[str, ...]) -> str:
-    """What a message says of a key that is no field: the closest one, and all of them."""
+    """Return the error text for an unknown field, with the closest field name and all field names."""
     close = difflib.get_close_matches(key, known, n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
     return f"no such field; {hint}known are {', '.join(known)}"

@@ -1,8 +1,9 @@
-"""Values that the parts of the system exchange: frozen dataclasses and named tuples in SI units.
+"""Data types that the parts of the system exchange: frozen dataclasses and named tuples in SI units.
 
-World z points up; quaternions are wxyz. The name of a time field names its clock: ``t_s`` is session time (the true
-simulation time in what the world logs, the server's estimate of it in an `Event`), ``t_device_s`` is an uncorrected
-device clock, ``t_arrival_s`` is session time at the receiver.
+The z axis of the world points up, and quaternions are in the order w, x, y, z. The name of a time field gives its
+clock. ``t_s`` is session time: the true simulation time in ground truth, and the server's estimate of it in an `Event`.
+``t_device_s`` is the reading of an uncorrected device clock. ``t_arrival_s`` is the session time at which a message
+reaches its receiver.
 """
 
 from .bodies import Cue, DancerStates, Geoms, SceneView, Servos, Solids

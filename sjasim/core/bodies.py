@@ -1,4 +1,4 @@
-"""What the physics takes and gives: cues, states of the dancers, and the scene that sensors see."""
+"""Inputs and outputs of the physics: cues, states of the dancers, and the scene that sensors see."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .vocabulary import Array, IntArray, Kind, Move
 
 @dataclass(frozen=True, slots=True)
 class Cue:
-    """One move that a dancer is going to perform, with the true time at which it will happen.
+    """One planned move of a dancer, with the session time at which it is to happen.
 
     Attributes:
         dancer: name of the dancer.
@@ -19,8 +19,9 @@ class Cue:
         iteration: 0 for the rehearsal, then 1, 2, ...
         ordinal: place of the move's first event among the iteration's events, from 0.
         beat: nominal beat of the move inside its iteration.
-        t_s: when SpineBase's speed crosses the onset speed (moves), the palms meet (clap), or the turn begins.
-        duration_s: until the speed falls through the onset speed again; 0 for a clap.
+        t_s: session time at which the speed of SpineBase rises above the onset speed (forward and backward moves), the
+            palms meet (claps), or the turn begins.
+        duration_s: time until the speed falls below the onset speed again, or until the turn ends; 0 for a clap.
     """
 
     dancer: str
@@ -32,7 +33,7 @@ class Cue:
     duration_s: float
 
     def events(self) -> tuple[tuple[Kind, float], ...]:
-        """Kinds and times of the events that the move causes. A turn follows a clap and causes none."""
+        """Return the kinds and times of the move's events; none for a turn, which always follows a clap."""
         if self.move is Move.FORWARD:
             return ((Kind.START_FORWARD, self.t_s), (Kind.STOP_FORWARD, self.t_s + self.duration_s))
         if self.move is Move.BACKWARD:
@@ -40,7 +41,7 @@ class Cue:
         return ((Kind.CLAP, self.t_s),) if self.move is Move.CLAP else ()
 
     def delayed(self, by_s: float) -> Cue:
-        """A copy of the cue that is later by this time."""
+        """Return a copy of the cue that is ``by_s`` later."""
         return replace(self, t_s=self.t_s + by_s)
 
 
@@ -50,19 +51,19 @@ class StateColumn(IntEnum):
     COM = 0
     """Centre of mass x, y, z [m]."""
     COM_VELOCITY = 3
-    """Its velocity [m/s]."""
+    """Velocity of the centre of mass x, y, z [m/s]."""
     ROOT = 6
     """Pelvis x, y, z [m], yaw, pitch (forward positive), roll [rad]."""
     ROOT_VELOCITY = 12
-    """Rates of the same [m/s, rad/s]."""
+    """Rates of the six coordinates of `ROOT` [m/s, rad/s]."""
     ANKLES = 18
-    """Left and right ankle [m]."""
+    """Left and right ankle, x, y, z each [m]."""
     HANDS = 24
-    """Left and right hand [m]."""
+    """Left and right hand, x, y, z each [m]."""
     TETHER = 30
     """Forces x, y [N] and torques yaw, pitch, roll [Nm] of the balance support; 0 without one."""
     LOAD = 35
-    """What the floor carries [N]."""
+    """Vertical force of the floor on the feet [N]."""
 
 
 DANCER_STATE_WIDTH = 36
@@ -70,7 +71,7 @@ DANCER_STATE_WIDTH = 36
 
 
 class DancerStates(NamedTuple):
-    """State of every dancer at one tick: what the balance controller uses, and what is logged beside it.
+    """State of every dancer at one tick, for the balance controller and the ground truth.
 
     Attributes:
         rows: (D, `DANCER_STATE_WIDTH`) states, see `StateColumn`.
@@ -95,12 +96,12 @@ class DancerStates(NamedTuple):
 
     @property
     def tether(self) -> Array:
-        """(D, 5) force x, y [N] and torque yaw, pitch, roll [Nm]."""
+        """(D, 5) force x, y [N] and torque yaw, pitch, roll [Nm] of the balance support."""
         return self.rows[:, StateColumn.TETHER : StateColumn.LOAD]
 
     @property
     def load(self) -> Array:
-        """(D,) what the floor carries of each [N]; see `Physics.measure_load`."""
+        """(D,) vertical force of the floor on the feet of each dancer [N]; see `Physics.measure_load`."""
         return self.rows[:, StateColumn.LOAD]
 
 
@@ -110,8 +111,8 @@ class Servos:
 
     Attributes:
         stiffness: (D, 25) stiffness of the hinge servos [Nm/rad].
-        lead: (D, 25) damping over stiffness, which is the feed-forward time of a target's rate [s].
-        root_lead: (D, 5) the same for the balance support; 0 without one [s].
+        lead: (D, 25) ratio of damping to stiffness [s]. A target advanced by this time compensates the damping.
+        root_lead: (D, 5) ratio of damping to stiffness of the balance support; 0 without one [s].
         weight: (D,) body weight [N].
         leg: (D,) length of thigh and shank together [m].
     """
@@ -125,14 +126,16 @@ class Servos:
 
 @dataclass(frozen=True, slots=True)
 class Geoms:
-    """The geoms of the scene at one instant: everything that a depth camera can see.
+    """All geoms of the scene that a depth camera can see, at one instant.
 
     Attributes:
-        form: (G,) 0 plane, 2 sphere, 3 capsule, 4 ellipsoid, 5 cylinder, 6 box, as MuJoCo numbers them.
-        size_m: (G, 3) sizes as in MuJoCo: radius, then half the length; semi-axes; half edges.
+        form: (G,) MuJoCo's geom type: 0 plane, 2 sphere, 3 capsule, 4 ellipsoid, 5 cylinder, 6 box.
+        size_m: (G, 3) sizes as in MuJoCo: radius and half length (sphere, capsule, cylinder), semi-axes (ellipsoid), or
+            half edges (box, plane).
         position_m: (G, 3) centres in the world.
-        rotation: (G, 3, 3) world from geom; the third axis is a plane's normal, a capsule's and cylinder's axis.
-        owner: (G,) index of the dancer; -1 for the floor and the robot.
+        rotation: (G, 3, 3) rotation matrices from geom to world. The third column is the normal of a plane, or the axis
+            of a capsule or cylinder.
+        owner: (G,) index of the dancer to which the geom belongs; -1 for the floor and the robot.
     """
 
     form: IntArray
@@ -143,16 +146,17 @@ class Geoms:
 
 
 class Solids(NamedTuple):
-    """Geoms that can occlude something, as compiled code reads them.
+    """Geoms that can occlude something, as arrays for compiled code.
 
-    The last two arrays belong to the physics and always hold the present; readers must not write to them.
+    ``position_m`` and ``rotation`` are views of the state of the physics: they change with every step, and readers must
+    not write to them.
 
     Attributes:
-        rows: (G, 3) row of each geom in the last two arrays, its owner, its form.
-        shape: (G, 7) size as in MuJoCo; then the half edges of a box with the geom's orientation and the radius of a
-            ball: the geom lies within the union of such balls around all points of the box [m].
-        position_m: (all, 3) centres in the world.
-        rotation: (all, 9) world from geom, row-major.
+        rows: (G, 3) for each geom its row in ``position_m`` and ``rotation``, its owner and its form, see `Geoms`.
+        shape: (G, 7) size as in MuJoCo (3), half edges of a box with the orientation of the geom (3), and the radius of
+            a sphere (1) [m]. The union of such spheres around all points of the box contains the geom.
+        position_m: (A, 3) centres of all A geoms of the model in the world.
+        rotation: (A, 9) rotation matrices from geom to world, row-major.
     """
 
     rows: IntArray
@@ -162,7 +166,7 @@ class Solids(NamedTuple):
 
 
 class SceneView(Protocol):
-    """What sensors may read of the physics. Tests give them a scripted scene without physics."""
+    """Protocol of a scene that sensors can observe. `Physics` implements it, and tests use scripted scenes."""
 
     @property
     def time_s(self) -> float:

@@ -1,4 +1,4 @@
-"""Physics ticks, periodic tasks, device clocks, and random streams by name."""
+"""Physics ticks, periodic tasks, device clocks, and named random streams."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .errors import ConfigError
 class Ticks:
     """Conversion between physics ticks and session time.
 
-    A time is computed as tick / rate and never accumulated, so that it has no drift.
+    A time is computed as tick / rate. It is never accumulated, so that rounding errors do not add up.
 
     Attributes:
         rate_hz: physics steps per second.
@@ -28,20 +28,21 @@ class Ticks:
         return tick / self.rate_hz
 
     def at_or_after(self, time_s: float) -> int:
-        """First tick whose time is not before ``time_s``, with a tolerance of 1 ns for rounding."""
+        """Return the first tick whose time is not before ``time_s``, with a tolerance of 1 ns for rounding."""
         return math.ceil(time_s * self.rate_hz - 1e-9 * self.rate_hz)
 
     def first_s(self, time_s: float) -> float:
-        """Session time of the first tick that is not before ``time_s``, without a tolerance [s]."""
+        """Return the session time of the first tick that is not before ``time_s``, without a tolerance [s]."""
         tick = math.ceil(time_s * self.rate_hz - 1e-9 * self.rate_hz)
         at_s = tick / self.rate_hz
         return at_s if at_s >= time_s else (tick + 1) / self.rate_hz
 
     def firing(self, count: int, task_hz: int) -> int:
-        """Tick at which a task runs for the ``count``-th time, counted from 0: ceil(count rate_hz / task_hz).
+        """Return the tick of the ``count``-th run of a task, counted from 0: ceil(count * rate_hz / task_hz).
 
-        The intervals differ by a tick where the rates do not divide: 50 Hz on 240 Hz runs after 4 or 5 ticks. So a
-        velocity must be computed from the times of its two samples.
+        If the physics rate is not a multiple of the task rate, the intervals differ by one tick: a task at 50 Hz on
+        ticks at 240 Hz runs every 4 or 5 ticks. Compute velocities from the times of the two samples, therefore, and
+        not from the nominal rate.
 
         Raises:
             ConfigError: the task is faster than the physics.
@@ -52,11 +53,11 @@ class Ticks:
 
 
 class Task:
-    """A task that runs periodically on physics ticks. ``due`` is the tick of its next run.
+    """Schedule of a task that runs periodically on physics ticks. ``due`` is the tick of its next run.
 
     Args:
-        ticks: the physics' ticks.
-        rate_hz: runs per second, at most the physics' rate.
+        ticks: ticks of the physics.
+        rate_hz: runs per second, at most the rate of the physics.
 
     Raises:
         ConfigError: the task is faster than the physics.
@@ -71,19 +72,19 @@ class Task:
         self.due = ticks.firing(0, rate_hz)
 
     def advance(self) -> None:
-        """Set ``due`` to the tick of the run after this one."""
+        """Set ``due`` to the tick of the following run."""
         self._count += 1
         self.due = -(-self._count * self._rate_hz // self._hz)
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceClock:
-    """The clock of a device: an offset and a drift relative to session time, and at most one jump.
+    """Clock of a device, with an offset and a drift relative to session time, and at most one jump.
 
     Attributes:
-        offset_s: reading at session time 0.
-        drift: relative rate error; 20e-6 gains 20 us per second.
-        jump_at_s: session time of a jump; infinite for none.
+        offset_s: reading of the clock at session time 0.
+        drift: relative error of the rate; a clock with 20e-6 gains 20 us per second.
+        jump_at_s: session time of the jump; infinity for none.
         jump_s: size of the jump.
     """
 
@@ -93,24 +94,24 @@ class DeviceClock:
     jump_s: float = 0.0
 
     def reading(self, t_s: float) -> float:
-        """Reading of the clock at session time ``t_s`` [s]."""
+        """Return the reading of the clock at session time ``t_s`` [s]."""
         jumped = self.jump_s if t_s >= self.jump_at_s else 0.0
         return t_s + self.offset_s + self.drift * t_s + jumped
 
 
 def stream(seed: int, *path: str | int) -> np.random.Generator:
-    """A new random generator that depends only on the session's seed and on the stream's name.
+    """Create a random generator that depends only on the session's seed and on the stream's name.
 
-    Each part of the system draws from streams of its own, so that a new part does not change the numbers of another
-    one. A *person* and a *performance* have separate streams, so that the same people meet every method.
+    Each part of the system draws from its own streams, so that adding a part does not change the random numbers of the
+    others. Persons and performances have separate streams, so that all methods are tested with the same persons.
 
     Args:
         seed: the session's seed, not negative.
-        path: name of the stream, such as ``"humans", "person", 0``.
+        path: parts of the stream's name, such as ``"humans", "person", 0``.
 
     Returns:
-        the generator; the same arguments give the same numbers in every process.
+        a new generator. The same arguments give the same numbers in every process.
     """
-    # Python's hash() differs from process to process; a CRC does not.
+    # Python salts hash() of strings differently in each process, so a CRC is used instead.
     key = zlib.crc32("/".join(str(part) for part in path).encode())
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, key])))

@@ -1,10 +1,10 @@
-"""The two decorators of functions that numba compiles to machine code.
+"""Decorators of functions that Numba compiles to machine code.
 
-Compiling takes a noticeable time when a program runs for the first time, and most of it depends on the number of
-functions that can be called from Python. Decorate these few with `compiled_entry` and everything that they call with
+Compilation delays the first run of a program, mainly in proportion to the number of functions that Python can call.
+Decorate functions that are called from Python with `compiled_entry`, and the functions that they call with
 `compiled_inner`.
 
-Both use numpy's error model: a division by zero gives infinity or NaN instead of a `ZeroDivisionError`.
+Both decorators select NumPy's error model: a division by zero gives infinity or NaN instead of `ZeroDivisionError`.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def compiled_entry(function: Function) -> Function:
-    """Compile a function that Python calls, and keep its machine code in numba's cache.
+    """Compile a function that is called from Python, and keep its machine code in Numba's cache.
 
-    Each combination of argument types is compiled anew. Pass arrays of one layout, and no literals if the caller is
-    compiled too.
+    Numba compiles the function once for each combination of argument types. To avoid repeated compilation, pass arrays
+    of a single memory layout, and do not pass literals from compiled code.
     """
     return cast(Function, njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)(function))
 
 
 def compiled_inner(function: Function) -> Function:
-    """Compile a function as a part of the compiled functions that call it.
+    """Compile a function only as part of the compiled functions that call it.
 
-    Python sees a plain function: a call from Python is interpreted and therefore slow, though its result is the same.
+    Called from Python, the function is interpreted: it returns the same result, but slowly.
     """
     return cast(Function, register_jitable(error_model="numpy", no_cfunc_wrapper=True)(function))

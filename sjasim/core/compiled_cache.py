@@ -1,7 +1,8 @@
-"""Where numba keeps compiled functions: drops outdated ones, and finds a folder where no usual one can be written.
+"""Management of Numba's cache of compiled functions: removal of outdated files, and a fallback folder.
 
-Compiling takes up to a minute and a half, so the functions are kept in files: beside the sources, or else in the user's
-cache folder. This module is imported with the package, before numba, and needs the standard library only.
+Compilation takes up to 90 seconds, so Numba keeps the compiled functions in files: beside the sources, or in the user's
+cache folder if the sources are read-only. This module chooses a temporary folder if neither can be written. It must run
+before Numba is imported, which reads the folder at import. It therefore imports the standard library only.
 """
 
 from __future__ import annotations
@@ -15,17 +16,17 @@ from collections.abc import Iterable
 from pathlib import Path
 
 VARIABLE = "NUMBA_CACHE_DIR"
-"""Environment variable of numba's that names the folder; child processes inherit it."""
+"""Environment variable from which Numba reads the cache folder; child processes inherit it."""
 
 DECORATORS = (b"@njit", b"@compiled_")
-"""What precedes a compiled function in a source file; see `core.compiled`."""
+"""Beginnings of the decorators of compiled functions in source files; see `core.compiled`."""
 
 
 def prepare(*sources: Path) -> None:
-    """Drop outdated compiled functions, and choose a temporary folder for them if no usual one can be written.
+    """Remove outdated compiled functions, and set a temporary cache folder if no default folder can be written.
 
     Args:
-        sources: folders of the Python files, the package's own first; absent ones are skipped.
+        sources: folders of Python files, the package's own folder first; folders that do not exist are skipped.
     """
     folder = fallback_folder([sources[0] / "__pycache__", user_cache()])
     if folder is not None:
@@ -39,10 +40,10 @@ def prepare(*sources: Path) -> None:
 
 
 def remove_outdated(*folders: Path) -> None:
-    """Remove compiled functions that are older than the newest source of any.
+    """Remove all compiled functions that are older than the newest source file with compiled functions.
 
-    Numba notices when a function's own file has changed, but not when a file has changed that holds what the function
-    calls: after an update of the sources it would go on using the old code.
+    Numba recompiles a function if the file that defines it has changed, but not if the file of a function that it calls
+    has changed. Without this removal, Numba would continue to use outdated code after an update of the sources.
     """
     compiled = [index for folder in folders for index in folder.rglob("*.nbi")]
     if not compiled:
@@ -50,23 +51,26 @@ def remove_outdated(*folders: Path) -> None:
 
     sources = [path for folder in folders for path in folder.rglob("*.py")]
     newest_s = max((path.stat().st_mtime for path in sources if _is_compiled(path)), default=0.0)
-    with contextlib.suppress(OSError):  # in a folder that cannot be written, nothing of this user's is outdated
+    with contextlib.suppress(OSError):  # a read-only folder cannot be cleaned
         for index in compiled:
             if index.stat().st_mtime < newest_s:
                 index.unlink(missing_ok=True)
 
 
 def _is_compiled(path: Path) -> bool:
-    """Whether a source file holds functions that numba compiles."""
+    """Whether a source file contains functions that Numba compiles."""
     text = path.read_bytes()
     return any(decorator in text for decorator in DECORATORS)
 
 
 def fallback_folder(usual: Iterable[Path]) -> Path | None:
-    """A private temporary folder if none of the usual ones can be written; None if one can, or if the user chose one.
+    """Return a private temporary folder if none of Numba's default folders can be written.
 
     Args:
-        usual: the folders that numba tries, in its order.
+        usual: folders that Numba tries, in this order.
+
+    Returns:
+        the folder; None if a default folder can be written, or if the user has set `VARIABLE`.
     """
     if os.environ.get(VARIABLE):
         return None
@@ -75,14 +79,14 @@ def fallback_folder(usual: Iterable[Path]) -> Path | None:
 
     try:
         return private_folder(Path(tempfile.gettempdir()) / f"sjasim-compiled-{_user()}")
-    except OSError:  # not even a temporary folder can be written: numba says so itself
+    except OSError:  # no temporary folder can be written either: Numba raises its own error
         return None
 
 
 def is_writable(folder: Path) -> bool:
-    """Whether a file can be made in a folder, which is made if it is absent.
+    """Whether a file can be created in a folder; the folder is created if it does not exist.
 
-    Asking for permissions is not enough: a file system may be read-only, and root is allowed everything.
+    A test of the permission bits is not sufficient: the file system may be read-only, and root passes every such test.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -93,15 +97,15 @@ def is_writable(folder: Path) -> bool:
 
 
 def private_folder(folder: Path) -> Path:
-    """The folder if it belongs to this user alone, made if absent; else a new one with a random name.
+    """Return the folder if only this user can access it, or else a new folder with a random name.
 
-    Numba executes what it finds there, and others may write to the folder for temporary files: so a folder that
-    somebody else has made under the expected name is not used.
+    The folder is created if it does not exist. Numba executes the files in its cache, and every user can create folders
+    in the system's temporary folder. A folder that another user has created is therefore not used.
 
     Raises:
-        OSError: no folder can be made.
+        OSError: no folder can be created.
     """
-    # The mode is given to mkdir itself: between a mkdir and a chmod others could write to the folder.
+    # mkdir sets the mode itself: between mkdir and a later chmod, other users could write to the folder.
     with contextlib.suppress(FileExistsError):
         folder.mkdir(mode=0o700)
 
@@ -114,7 +118,7 @@ def private_folder(folder: Path) -> Path:
 
 
 def user_cache() -> Path:
-    """The folder in the user's home where numba keeps what it cannot keep beside the sources."""
+    """Return the folder in the user's home that Numba uses if the folder of the sources cannot be written."""
     if sys.platform == "win32":
         local = os.environ.get("LOCALAPPDATA")
         return (Path(local) if local else _home() / "AppData" / "Local") / "numba" / "Cache"
@@ -129,12 +133,12 @@ def _home() -> Path:
 
 
 def _user() -> str:
-    """What tells this user's folder from another's."""
+    """Identifier of the user, which makes the folder's name unique."""
     return str(os.getuid()) if hasattr(os, "getuid") else os.environ.get("USERNAME", "user")
 
 
 def _tell_numba(folder: Path) -> None:
-    """Set the folder in a numba that has been imported already, which reads the environment no more."""
+    """Set the folder in Numba's configuration if Numba is imported already, since it then ignores the environment."""
     numba = sys.modules.get("numba")
     if numba is not None:
         numba.config.CACHE_DIR = str(folder)

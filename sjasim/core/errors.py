@@ -1,10 +1,10 @@
-"""Errors that sjasim raises on purpose. Each message is one line: what is wrong, the value, what is allowed."""
+"""Exceptions of sjasim. Each message is one line with the problem, the given value and the allowed values."""
 
 from __future__ import annotations
 
 
 class SjasimError(Exception):
-    """Base class of all errors raised on purpose. Commands print the message and exit with 2."""
+    """Base class of sjasim's exceptions. Commands print the message and exit with code 2."""
 
 
 class ConfigError(SjasimError):
@@ -12,8 +12,8 @@ class ConfigError(SjasimError):
 
     Args:
         field: dotted name of the field, such as ``robot.cruise_m_s``.
-        value: the value that was given.
-        allowed: the values that would be accepted, in words.
+        value: the given value.
+        allowed: description of the accepted values.
     """
 
     def __init__(self, field: str, value: object, allowed: str) -> None:
@@ -24,11 +24,11 @@ class ConfigError(SjasimError):
 
 
 class UnknownNameError(SjasimError):
-    """No plug-in is registered under a name; the message lists the names that exist.
+    """No plug-in is registered under a name; the message lists the registered names.
 
     Args:
         room: kind of plug-in.
-        name: the name that was asked for.
+        name: the requested name.
         known: the registered names.
     """
 
@@ -40,11 +40,14 @@ class UnknownNameError(SjasimError):
 
 
 class PluginError(SjasimError):
-    """A plug-in does not keep its contract."""
+    """A plug-in cannot be loaded or violates the protocol of its kind."""
 
 
 class HookError(PluginError):
-    """A plug-in's own code raised an exception, which is this error's cause. Commands print its traceback as well."""
+    """The code of a plug-in raised an exception, which is the ``__cause__`` of this one.
+
+    Commands print its traceback as well.
+    """
 
 
 class RecordError(SjasimError):

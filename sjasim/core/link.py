@@ -1,4 +1,4 @@
-"""Simulated network links with latency, jitter and loss, and the queue of messages under way."""
+"""Simulated network links with latency, jitter and loss, and the queue of messages in transit."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 T = TypeVar("T")
 
 _BLOCK = 64
-"""Messages for which random numbers are drawn at once, which is cheaper than drawing for each message."""
+"""Number of messages for which random numbers are drawn together; one call of NumPy per message would be slower."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,10 +20,10 @@ class LinkQuality:
     """Delay and loss of one direction of a link.
 
     Attributes:
-        latency_s: shortest one-way delay [s].
-        jitter_s: mean of the exponentially distributed delay on top of it [s].
-        loss: probability that a message never arrives.
-        ordered: whether messages arrive in the order of sending; if not, one may overtake another.
+        latency_s: smallest one-way delay [s].
+        jitter_s: mean of the exponentially distributed delay that is added to ``latency_s`` [s].
+        loss: probability that a message is lost.
+        ordered: whether messages arrive in the order of sending; otherwise a message may overtake another.
     """
 
     latency_s: float
@@ -33,17 +33,20 @@ class LinkQuality:
 
 
 class MessageQueue(Generic[T]):
-    """Queue of messages under way, over one link or several; it gives them out in order of arrival."""
+    """Queue of the messages in transit over one or more links, in order of arrival."""
 
     def __init__(self) -> None:
         self._heap: list[tuple[float, int, T]] = []
-        """(arrival, number of sending, message); the number makes ties definite and keeps messages uncompared."""
+        """(arrival time [s], sequence number, message).
+
+        The sequence number orders messages that arrive at the same time, and avoids comparisons of messages.
+        """
         self._sequence = 0
         self.next_arrival_s = math.inf
-        """Session time at which the next message arrives; infinite when none is under way [s]."""
+        """Session time at which the next message arrives [s]; infinity if no message is in transit."""
 
     def put(self, t_arrival_s: float, message: T) -> None:
-        """Add a message that arrives at this session time."""
+        """Add a message that arrives at session time ``t_arrival_s``."""
         heapq.heappush(self._heap, (t_arrival_s, self._sequence, message))
         self._sequence += 1
         self.next_arrival_s = self._heap[0][0]
@@ -59,12 +62,12 @@ class MessageQueue(Generic[T]):
 
 
 class Link(Generic[T]):
-    """One direction of a link, which decides whether and when a message arrives.
+    """One direction of a network link, which draws the delay and the loss of each message.
 
     Args:
-        quality: delay and loss.
-        rng: the link's own random stream.
-        queue: holds the messages while they are under way; links may share one.
+        quality: delay and loss of the link.
+        rng: random stream of this link alone.
+        queue: queue for the messages in transit; several links may share one.
     """
 
     def __init__(self, quality: LinkQuality, rng: np.random.Generator, queue: MessageQueue[T]) -> None:
@@ -79,8 +82,8 @@ class Link(Generic[T]):
     def send(self, t_s: float, message: T) -> None:
         """Send a message at session time ``t_s``; it may be lost.
 
-        A lost message takes as many random numbers as a delivered one, so that another loss rate does not change the
-        delays of the messages that still arrive.
+        Delays are drawn for lost messages as well, so that a change of the loss rate does not change the delays of the
+        delivered messages.
         """
         self.sent += 1
         if not self._draws:
@@ -97,7 +100,7 @@ class Link(Generic[T]):
         self._queue.put(arrival, message)
 
     def _draw_block(self) -> list[tuple[bool, float]]:
-        """(whether it is lost, delay [s]) of the next messages."""
+        """Return (whether it is lost, delay [s]) for each of the next messages."""
         quality = self._quality
         lost = self._rng.random(_BLOCK) < quality.loss
         delays_s = quality.latency_s + self._rng.standard_exponential(_BLOCK) * quality.jitter_s

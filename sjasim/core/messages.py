@@ -12,10 +12,11 @@ from .vocabulary import Array, IntArray, Kind
 
 
 class Skeletons(NamedTuple):
-    """Skeletons of all persons in one frame, as a sensing route delivers them, without times.
+    """Skeletons of all persons in one frame, without times, as a `SkeletonSource` returns them.
 
     Attributes:
-        persons: (P,) identities local to the sensor; the rows stay the same as long as nobody appears or disappears.
+        persons: (P,) identities local to the sensor. The order of rows is constant until a person appears or
+            disappears.
         joints: (P, 25, 3) positions in the sensor's frame: x to the sensor's left, y up, z away from the sensor
             (the Kinect's camera space) [m]; NaN where a joint is not tracked.
         state: (P, 25) `NOT_TRACKED`, `INFERRED` or `TRACKED`.
@@ -27,14 +28,14 @@ class Skeletons(NamedTuple):
 
 
 class SkeletonFrame(NamedTuple):
-    """One processed frame: the skeletons of all persons with the clocks of their sensor.
+    """One processed frame: the skeletons of all persons, and the time of the frame on the clocks of the sensor.
 
     Attributes:
         sensor: name of the sensor.
-        t_device_s: device clock when the frame had been processed.
-        t_capture_device_s: device clock when the frame was captured.
-        t_sensor_s: frame time of the sensor itself (the Kinect's relative time). Its origin is arbitrary, but it
-            never jumps, so intervals are computed from it.
+        t_device_s: device clock at the end of the frame's processing.
+        t_capture_device_s: device clock at the capture of the frame.
+        t_sensor_s: frame time on the sensor's own clock (the Kinect's relative time). Its origin is arbitrary and it
+            never jumps. Use it to compute intervals between frames.
         skeletons: the skeletons of the frame.
     """
 
@@ -49,10 +50,10 @@ class RecordedJoints(NamedTuple):
     """Recorded skeletons over time.
 
     Attributes:
-        t_s: (T,) rising times of the frames [s].
-        joints_m: (T, P, 25, 3) joints in the Kinect's camera space; NaN where unknown [m].
-        state: (T, P, 25) 2 tracked, 1 inferred, 0 not tracked.
-        persons: (P,) names of the persons, one for each row, as the recording gives them: numbers or words.
+        t_s: (T,) strictly increasing times of the frames [s].
+        joints_m: (T, P, 25, 3) joints in the Kinect's camera space [m]; NaN where unknown.
+        state: (T, P, 25) `TRACKED`, `INFERRED` or `NOT_TRACKED`.
+        persons: (P,) names of the persons as in the recording, numbers or strings.
     """
 
     t_s: Array
@@ -63,13 +64,13 @@ class RecordedJoints(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class DeviceEvent:
-    """An event as a client reports it, on that client's uncorrected clock.
+    """An event as reported by a client, with the time of the client's uncorrected clock.
 
     Attributes:
         sensor: name of the client's sensor.
         person: identity local to that sensor.
-        kind: what happened, or what is about to happen in an early event.
-        t_device_s: device clock when the frame that shows the event had been processed; never earlier.
+        kind: kind of the event; of the announced event if ``early``.
+        t_device_s: device clock at the end of processing of the frame in which the event was detected.
         early: whether this is an early event.
         t_onset_device_s: the client's estimate of the physical onset on the same clock, or None.
     """
@@ -87,11 +88,11 @@ class PersonStatus(NamedTuple):
 
     Attributes:
         person: identity local to the sensor.
-        x_m: position on the floor along world x, by the sensor's known mounting.
+        x_m: position along world x, computed with the known pose of the sensor.
         y_m: position along world y.
         yaw_rad: heading in the world.
-        tracked: share of the 25 joints that are tracked, 0 to 1.
-        hands: share of the two hands that are tracked: 0, .5 or 1.
+        tracked: fraction of the 25 joints that are tracked, 0 to 1.
+        hands: fraction of the two hands that are tracked: 0, .5 or 1.
     """
 
     person: int
@@ -103,12 +104,12 @@ class PersonStatus(NamedTuple):
 
 
 class ClientStatus(NamedTuple):
-    """Periodic report of a client (5 Hz), by which the server matches persons and notices dead clients.
+    """Periodic report of a client (by default 5 Hz). The server identifies persons and detects dead clients with it.
 
     Attributes:
         sensor: name of the client's sensor.
-        t_device_s: device clock when the report was sent.
-        persons: the persons that the client sees; None if it has taken no frame since its last report.
+        t_device_s: device clock at the sending of the report.
+        persons: persons in the client's last frame; None if it has captured no frame since its last report.
     """
 
     sensor: str
@@ -117,14 +118,14 @@ class ClientStatus(NamedTuple):
 
 
 class SyncRequest(NamedTuple):
-    """First half of a clock exchange, with the server's time of sending."""
+    """Request of a clock exchange, with the session time at which the server sent it."""
 
     sensor: str
     t_server_send_s: float
 
 
 class SyncReply(NamedTuple):
-    """Second half of a clock exchange, with the device clock at reception and at sending of the reply."""
+    """Reply of a clock exchange, with the device clock at the reception of the request and the sending of the reply."""
 
     sensor: str
     t_server_send_s: float
@@ -134,12 +135,12 @@ class SyncReply(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class MoveDuration:
-    """Duration of a person's last move of one kind, by its logged events. It arms the early stop of the next one.
+    """Duration of a person's last forward or backward move. A client needs it to detect the early stop of the next one.
 
     Attributes:
         person: identity local to the sensor that receives the message.
-        start: the event that starts such a move, START_FORWARD or START_BACKWARD.
-        duration_s: from the regular start to the regular stop.
+        start: kind of the event that starts the move, START_FORWARD or START_BACKWARD.
+        duration_s: time from the regular start event to the regular stop event.
     """
 
     person: int
@@ -154,9 +155,9 @@ class ClientOrder:
     Attributes:
         sensor: name of the client's sensor.
         watch: whether to detect all events at the full frame rate.
-        durations: durations of moves that the other clients logged before the hand-over. Without them a client has no
-            early stop for the first move of each kind that it sees.
-        assist: whether to detect, from the side, claps of persons whose hands the active client does not see.
+        durations: durations of moves that other clients observed before the hand-over. Without them the client cannot
+            detect an early stop in the first move of each kind.
+        assist: whether to detect claps from the side, of persons whose hands the active client does not see.
     """
 
     sensor: str
@@ -171,11 +172,11 @@ class Event:
 
     Attributes:
         person: name of the dancer, ``dancer_1``...
-        kind: what happened, or what is about to happen in an early event.
-        t_s: session time, by the server's estimate of the client's clock.
-        t_arrival_s: session time when the server received it.
+        kind: kind of the event; of the announced event if ``early``.
+        t_s: session time of the event, computed with the server's estimate of the client's clock.
+        t_arrival_s: session time at which the server received it.
         early: whether this is an early event.
-        iteration: the iteration whose window holds ``t_s``.
+        iteration: the iteration whose window contains ``t_s``.
         sensor: name of the sensor whose client reported it.
     """
 

@@ -1,4 +1,4 @@
-"""What an anticipation method is given before the dance, and what it may answer."""
+"""Input and output of anticipation methods: the context before a dance, and the actions that hooks return."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ ROBOT_MOVES = {
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One robot event that the choreography wants in every iteration.
+    """One event that the robot is to perform in every iteration of the choreography.
 
     Attributes:
         ordinal: place of the event in the iteration, from 0.
-        kind: the dancers' event that it corresponds to; the robot turns where dancers clap.
+        kind: kind of the corresponding event of the dancers; CLAP where the robot turns.
         occurrence: number of events of this kind that come before it in the iteration.
         beat: nominal beat of the event in the iteration.
     """
@@ -37,17 +37,17 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class MethodContext:
-    """All that an anticipation method is given before the dance. It contains neither the truth nor the dancers' plan.
+    """Information that an anticipation method has before a dance. It excludes ground truth and the dancers' plan.
 
     Attributes:
         cast: names of the dancers.
         steps: the robot's events of one iteration, in order.
         iterations: number of iterations after the rehearsal.
-        beat_s: nominal duration of a beat, from which a dance's tempo may deviate.
-        iteration_start_s: session time of beat 0 of each iteration, index 0 being the rehearsal.
-        window_end_s: session time at which each iteration's window closes, same index.
-        tempo: session time of the beats, counted from an arbitrary one; None for a constant ``beat_s``.
-        tau_s: largest time between two events of a kind that count as synchronous, as in the session's own measures.
+        beat_s: nominal duration of a beat, from which the tempo of a dance may deviate.
+        iteration_start_s: session time of beat 0 of each iteration; index 0 is the rehearsal.
+        window_end_s: session time at which the window of each iteration closes, with the same indices.
+        tempo: map from beats to session times, with an arbitrary beat as origin; None if every beat lasts ``beat_s``.
+        tau_s: two events of a kind coincide if they are less than this apart, as in the measures of the session.
     """
 
     cast: tuple[str, ...]
@@ -60,14 +60,14 @@ class MethodContext:
     tau_s: float = 0.25
 
     def beat(self, iteration: int, t_s: float) -> float:
-        """Beat of an iteration at a session time, as a number with a fraction."""
+        """Return the fractional beat, counted from beat 0 of an iteration, at session time ``t_s``."""
         start_s = self.iteration_start_s[iteration]
         if self.tempo is None:
             return (t_s - start_s) / self.beat_s
         return self.tempo.beat(t_s) - self.tempo.beat(start_s)
 
     def time_s(self, iteration: int, beat: float) -> float:
-        """Session time of a beat of an iteration [s]."""
+        """Return the session time of a beat that is counted from beat 0 of an iteration [s]."""
         start_s = self.iteration_start_s[iteration]
         if self.tempo is None:
             return start_s + beat * self.beat_s
@@ -76,16 +76,16 @@ class MethodContext:
 
 @dataclass(frozen=True, slots=True)
 class ScheduleCommand:
-    """Answer of a method: send the command for a step at a time, unless it is replaced or cancelled before.
+    """Action: send the command for a step at a session time, unless a later action replaces or cancels it.
 
     Attributes:
-        iteration: the iteration of the step.
-        ordinal: the step, by its place among the context's steps.
-        t_s: session time of sending; a time that has passed means at once.
-        why: evidence in words, for the decision log.
-        person: the dancer whose event led to the decision, or "".
-        last_resort: whether the command is only sent if nothing better comes, so that ``t_s`` is not the time at which
-            the step is expected.
+        iteration: iteration of the step.
+        ordinal: index of the step in `MethodContext.steps`.
+        t_s: session time of sending. The command is sent at once if this time has passed.
+        why: reason of the decision, for the decision log.
+        person: name of the dancer whose event led to the decision, or "".
+        last_resort: whether the command is a fallback, to be sent only if no event triggers the step before. Its
+            ``t_s`` is then not an estimate of when the step will happen.
     """
 
     iteration: int
@@ -98,7 +98,7 @@ class ScheduleCommand:
 
 @dataclass(frozen=True, slots=True)
 class CancelCommand:
-    """Answer of a method: do not send the command that is scheduled for a step."""
+    """Action: do not send the command that is scheduled for a step."""
 
     iteration: int
     ordinal: int
@@ -107,7 +107,7 @@ class CancelCommand:
 
 @dataclass(frozen=True, slots=True)
 class SetTimer:
-    """Answer of a method: call ``on_timer(t_s)`` at this session time, which must lie in the future."""
+    """Action: call ``on_timer(t_s)`` at session time ``t_s``, which must lie in the future."""
 
     t_s: float
 

@@ -1,7 +1,8 @@
-"""Finds plug-ins of every kind by a registered name, or as ``package.module:Class``.
+"""Registry of plug-ins, which are found by a registered name or as ``package.module:Class``.
 
-A plug-in of sjasim's own is one file in its folder that calls `register`; there is no list to edit. A folder is
-imported when a name of its kind is first resolved, never at ``import sjasim``.
+A plug-in that is part of sjasim is one file in the folder of its kind, which calls `register`; no list has to be
+edited. The modules of a folder are imported when a name of its kind is first resolved, not by ``import sjasim``, which
+keeps that import fast.
 """
 
 from __future__ import annotations
@@ -27,18 +28,19 @@ FOLDERS = {
     "sensing": "sensors",
     "world": "session",
 }
-"""Kind of plug-in -> the folder whose files register plug-ins of this kind."""
+"""Kind of plug-in -> package, relative to ``sjasim``, whose modules register plug-ins of this kind."""
 
 REGISTERED_ELSEWHERE = {("body", "cmu"): "interop.cmu_humanoid", ("world", "physics"): "simulation.physics_world"}
-"""(kind, name) -> module outside the kind's folder that registers it, imported when the name is resolved.
+"""(kind, name) -> module outside the kind's folder that registers this plug-in.
 
-These modules import folders above that of their kind, or packages that may not be installed.
+The module is imported only when the name is resolved, because it needs optional packages, or packages of sjasim that
+the kind's folder must not import.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A resolved plug-in: its class or function, and the dataclass of its options, or None."""
+    """A resolved plug-in: its name, its class or function, and the dataclass of its options (None without options)."""
 
     name: str
     factory: Callable[..., object]
@@ -50,24 +52,24 @@ _LOADED: set[str] = set()
 
 
 def register(kind: str, name: str, config: type | None = None) -> Callable[[T], T]:
-    """Decorator of a class or function that registers it under a name.
+    """Return a decorator that registers a class or function under a name.
 
     Args:
-        kind: one of `FOLDERS`.
-        name: what users write, such as ``sia``.
-        config: frozen dataclass of the plug-in's options; a default is used where no value is given.
+        kind: kind of plug-in, a key of `FOLDERS`.
+        name: name by which users select the plug-in, such as ``sia``.
+        config: frozen dataclass of the plug-in's options; its defaults apply to options that are not given.
 
     Returns:
         the decorator, which returns its argument unchanged.
 
     Raises:
-        PluginError: the kind does not exist or the name is taken by something else.
+        PluginError: the kind does not exist, or another plug-in has the name.
     """
     if kind not in FOLDERS:
         raise PluginError(f"no kind of plug-in named {kind!r}: known are {', '.join(FOLDERS)}")
 
     def add(item: T) -> T:
-        # A module that is imported a second time may register the same class again.
+        # Importing a module a second time, as importlib.reload does, registers the same class again.
         known = _ENTRIES[kind].get(name)
         if known is not None and getattr(known.factory, "__qualname__", "") != getattr(item, "__qualname__", ""):
             raise PluginError(f"{kind} {name!r} is registered already, by {known.factory!r}")
@@ -79,20 +81,21 @@ def register(kind: str, name: str, config: type | None = None) -> Callable[[T], 
 
 
 def names(kind: str) -> tuple[str, ...]:
-    """Sorted names of all registered plug-ins of a kind."""
+    """Return the sorted names of all registered plug-ins of a kind."""
     _load_folder(kind)
     return tuple(sorted({*_ENTRIES[kind], *(name for other, name in REGISTERED_ELSEWHERE if other == kind)}))
 
 
 def resolve(kind: str, name: str) -> Entry:
-    """Find a plug-in.
+    """Find a plug-in, and import its module if necessary.
 
     Args:
-        kind: one of `FOLDERS`.
+        kind: kind of plug-in, a key of `FOLDERS`.
         name: a registered name or ``package.module:Attribute``.
 
     Returns:
-        the entry. Options of a plug-in from another package are those of its attribute ``config_type``, if it has one.
+        the entry. For a plug-in that is given by its module, `Entry.config` is the attribute ``config_type`` of the
+        class or function, or None.
 
     Raises:
         UnknownNameError: no such name is registered.
@@ -133,7 +136,7 @@ def _resolve_outside(kind: str, name: str) -> Entry:
 
 
 def _reason(error: Exception) -> str:
-    """Why a module cannot be imported, with the line of its own code that failed."""
+    """Return the error of a failed import, with the file and line where it was raised."""
     if isinstance(error, SyntaxError):
         return str(error)
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if "importlib" not in frame.filename]
@@ -142,7 +145,7 @@ def _reason(error: Exception) -> str:
 
 
 def _load_folder(kind: str) -> None:
-    """Import all modules of the folder of a kind, once, so that they register their plug-ins."""
+    """Import all modules of a kind's folder, so that they register their plug-ins; later calls have no effect."""
     if kind in _LOADED:
         return
     room = importlib.import_module(f"{PACKAGE}.{FOLDERS[kind]}")

@@ -1,4 +1,4 @@
-"""Commands to the robot and its wheels, and readings and state that the robot reports."""
+"""Messages of the robot: move commands, wheel commands, sensor readings and odometry states."""
 
 from __future__ import annotations
 
@@ -10,19 +10,20 @@ from .vocabulary import Move
 
 @dataclass(frozen=True, slots=True)
 class MoveCommand:
-    """A command to the robot. Repeated copies have the same number and are executed once.
+    """A command to the robot. The server repeats it with the same number, and the robot executes it once.
 
     Attributes:
-        number: number of the command in the session, from 1; a higher number replaces a lower one.
+        number: number of the command in the session, from 1. A command replaces all commands with lower numbers.
         move: FORWARD, BACKWARD, STOP, TURN or DRIVE.
         t_start_s: session time when the server first sent it.
-        speed_m_s: cruise speed of a forward or backward move. For DRIVE, and for a STOP that drives the robot to its
-            slot at low speed, the speed itself, negative backwards.
-        heading_rad: absolute odometry heading at which a turn ends, or to which the robot steers during a move or stop.
+        speed_m_s: cruise speed of a forward or backward move, not negative. For DRIVE, and for a STOP in which the
+            robot drives to its slot at low speed, the signed speed, negative backwards.
+        heading_rad: target heading in the odometry frame: the heading at the end of a turn, or the heading that is held
+            during another move.
         iteration: iteration to which the command belongs.
-        ordinal: place of its event among the iteration's events, from 0.
-        why: method and evidence in words.
-        yaw_rate_rad_s: yaw rate of DRIVE; the other moves determine their own.
+        ordinal: index of the step among the iteration's steps, from 0.
+        why: method and reason of the decision, for the log.
+        yaw_rate_rad_s: yaw rate of DRIVE; not used by other moves.
     """
 
     number: int
@@ -37,7 +38,7 @@ class MoveCommand:
 
 
 class WheelCommand(NamedTuple):
-    """Angular speeds of the wheels that the base is to reach [rad/s]."""
+    """Target angular speeds of the left and right wheel [rad/s]."""
 
     left_rad_s: float
     right_rad_s: float
@@ -52,15 +53,15 @@ class WheelReading(NamedTuple):
 
 
 class RobotState(NamedTuple):
-    """The robot's odometry estimate. Its computer runs the server's clock, so the time is session time.
+    """Odometry estimate of the robot. The robot's computer is assumed to share the server's clock.
 
     Attributes:
-        t_s: when the sample was taken.
+        t_s: session time of the sample.
         x_m: estimated position along world x.
         y_m: estimated position along world y.
-        heading_rad: estimated heading, unwrapped.
+        heading_rad: estimated heading, not wrapped to one turn.
         step_m: displacement along the heading since the last sample.
-        yaw_rate_rad_s: yaw rate of the gyro.
+        yaw_rate_rad_s: yaw rate measured by the gyro.
     """
 
     t_s: float

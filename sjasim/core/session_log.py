@@ -1,4 +1,4 @@
-"""The log of a session, and the rows of its tables. Clocks are named as in `core`."""
+"""The log of a session, and the types of the rows of its tables. The names of time fields are explained in `core`."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from . import Array, Cue, DeviceEvent, Event, Kind, MoveCommand
 
 @dataclass(frozen=True, slots=True)
 class AgentEvent:
-    """Something that a dancer or the robot did, from an event table, from odometry or from the truth.
+    """An event of a dancer or the robot, from an event table, from odometry or from ground truth.
 
     Attributes:
         iteration: 0 for the rehearsal, then 1, 2, ...
         agent: ``dancer_1``..., or ``robot``.
-        kind: what happened.
+        kind: kind of the event.
         t_s: session time.
-        visible: whether the active sensor could see it; known of true events only, True elsewhere.
+        visible: whether the event was visible to the active sensor. Computed for ground truth only; otherwise True.
     """
 
     iteration: int
@@ -39,10 +39,10 @@ class TableEvent:
         session: name of the session.
         iteration: 0 for a rehearsal, then 1, 2, ...
         agent: name of the person; ``robot`` for a robot.
-        kind: what happened.
-        t_s: time on the session's clock.
-        early: whether the row announces an event that has a row of its own.
-        line: line in a CSV file, or row in a Parquet file counted from 1.
+        kind: kind of the event.
+        t_s: time of the event on the clock of the table.
+        early: whether this is an early event, which announces a regular event in another row.
+        line: line number in a CSV file, or row number in a Parquet file, from 1.
     """
 
     session: str
@@ -55,13 +55,24 @@ class TableEvent:
 
 
 def natural_order(agent: str) -> tuple[tuple[str, int], ...]:
-    """Sorting key that puts numbers in names into numerical order: p2 before p10."""
+    """Return a sorting key that orders names with numbers numerically: p2 before p10."""
     return tuple((word, int(number or 0)) for word, number in re.findall(r"(\D*)(\d*)", agent))
 
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """One row of the decision log: what the method decided, when, and on what evidence."""
+    """One row of the decision log: an action of the method for a step, with its time and reason.
+
+    Attributes:
+        t_s: session time of the decision.
+        iteration: iteration of the step.
+        ordinal: index of the step in the iteration, from 0.
+        kind: kind of the step.
+        action: outcome of the action.
+        t_send_s: session time at which the command is to be sent.
+        person: name of the dancer whose event led to the decision, or "".
+        why: reason of the decision.
+    """
 
     t_s: float
     iteration: int
@@ -75,7 +86,13 @@ class Decision:
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """A problem that was noticed: a dead sensor, a clock that jumped, a blocked robot, a fallen dancer."""
+    """A problem during a session, such as a dead sensor, a clock jump, a blocked robot or a fallen dancer.
+
+    Attributes:
+        t_s: session time.
+        source: name of the sensor, agent or component that it concerns.
+        what: description of the problem.
+    """
 
     t_s: float
     source: str
@@ -84,7 +101,7 @@ class Notice:
 
 @dataclass(frozen=True, slots=True)
 class Handover:
-    """The time from which a sensor's client was the active one."""
+    """Session time from which a sensor's client was the active one."""
 
     t_s: float
     sensor: str
@@ -92,7 +109,10 @@ class Handover:
 
 @dataclass(frozen=True, slots=True)
 class Followed:
-    """The dancer that the method followed in an iteration, "" for nobody. Without a row it used all dancers' events."""
+    """The dancer that the method followed in an iteration, or "" if it followed none.
+
+    An iteration without a row is one in which the method used the events of all dancers.
+    """
 
     iteration: int
     person: str
@@ -109,29 +129,31 @@ class DepthPicture:
 
 @dataclass(frozen=True, slots=True)
 class SessionLog:
-    """Everything that a session leaves behind. Read from a session's folder it is the same value.
+    """Complete result of a session. A log that is read from the session's folder has the same values, see below.
 
     Attributes:
         config: the full configuration as plain data.
         versions: package versions by name.
         cues: moves that the dancers performed, with their true times.
-        device_events: events on device clocks, each with the true time of sending, by which clocks are evaluated.
+        device_events: events on device clocks, each with its true time of sending, for the evaluation of clocks.
         events: events in session time, as the method received them.
         commands: commands sent to the robot.
         decisions: decisions of the method.
-        robot_events: events of the robot, from its odometry.
-        notices: problems that were noticed.
+        robot_events: events of the robot, detected in its odometry.
+        notices: problems during the session.
         odometry: columns of equal length at the odometry rate (t_s, x_m, y_m, heading_rad, step_m,
             yaw_rate_rad_s, true_x_m, true_y_m, true_heading_rad).
         truth: columns of equal length, one row for each logged tick and dancer; see
             `ground_truth_recorder.TRUTH_COLUMNS`.
         handovers: changes of the active sensor.
         followed: dancers that the method followed, if it reports them.
-        joints: (F, D, 25, 3) float32 true joints at 30 Hz; None in a log that was read from a folder.
-        skeletons: (F, D, 25, 4) float32 joints in the world as the active client estimated them at the same frames, and
-            their tracking state; NaN where it took no frame or lost the joint. None in a log read from a folder.
-        depth: depth images of the active sensor, if they were asked for; only the recording keeps them.
-        cost: ``sim_s``, ``cpu_s`` and ``wall_s`` [s].
+        joints: (F, D, 25, 3) float32 true joint positions in the world at 30 Hz [m]; None in a log that was read from a
+            folder.
+        skeletons: (F, D, 25, 4) float32 joint positions in the world as estimated by the active client at the same
+            frames [m], and tracking state; NaN if it captured no frame or did not track the joint. None in a log that
+            was read from a folder.
+        depth: depth images of the active sensor, if they were requested; stored in the rerun recording only.
+        cost: simulated time ``sim_s``, CPU time ``cpu_s`` and elapsed time ``wall_s`` [s].
     """
 
     config: Mapping[str, object]

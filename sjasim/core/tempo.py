@@ -11,10 +11,14 @@ from dataclasses import dataclass
 from .errors import ConfigError
 
 PAUSE_BEATS = 0.01
-"""Part of the beat before a pause in which the pause lies [beats]; it is small, so that no move begins inside it."""
+"""Length of the interval before a beat over which a pause is stretched [beats].
+
+The map must increase strictly, so a pause cannot have zero length in beats. The interval is so short that no move of a
+score begins in it.
+"""
 
 Points = Sequence[tuple[float, float]]
-"""(beat, value) pairs whose beats rise."""
+"""(beat, value) pairs with strictly increasing beats."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,8 +26,8 @@ class TempoMap:
     """Time of each beat, as a piecewise linear function through (beat, time) points.
 
     Attributes:
-        beats: (N,) rising beats, N >= 2.
-        times_s: (N,) rising times [s]. Beyond both ends the outermost tempo continues.
+        beats: (N,) strictly increasing beats, N >= 2.
+        times_s: (N,) strictly increasing times [s]. Outside the points the map is extrapolated linearly.
     """
 
     beats: tuple[float, ...]
@@ -31,29 +35,29 @@ class TempoMap:
 
     @classmethod
     def steady(cls, bpm: float) -> TempoMap:
-        """A constant tempo with beat 0 at time 0."""
+        """Return the map of a constant tempo, with beat 0 at time 0."""
         return cls((0.0, 1.0), (0.0, 60.0 / bpm))
 
     @classmethod
     def changing(cls, bpm: float, tempo: Points, pauses: Points) -> TempoMap:
-        """A tempo that changes, with beat 0 at time 0.
+        """Return the map of a changing tempo, with beat 0 at time 0.
 
         Args:
             bpm: beats per minute where the factor is 1.
-            tempo: (beat, factor of the tempo); between two of them the tempo changes linearly with the beat.
-            pauses: (beat, seconds of silence before it).
+            tempo: (beat, factor of ``bpm``) points, between which the factor is interpolated linearly in the beat.
+            pauses: (beat, duration of the pause before it [s]).
         """
         if not tempo and not pauses:
             return cls.steady(bpm)
 
-        # Between whole beats a changing tempo is replaced by its mean, so that the map stays piecewise linear.
+        # Replace a changing tempo by its mean between successive whole beats, so that the map is piecewise linear.
         marks = {beat for beat, _ in pauses} | {beat - PAUSE_BEATS for beat, _ in pauses} | {0.0}
         ends = [beat for beat, _ in tempo]
         if ends:
             marks |= {*ends, *map(float, range(math.ceil(ends[0]), math.floor(ends[-1]) + 1))}
         knots = _without_near_duplicates(sorted(marks))
 
-        # One knot beyond each end, so that the outermost tempo continues there.
+        # Add one knot beyond each end, so that extrapolation continues with the outermost tempo.
         knots = [knots[0] - 1.0, *knots, knots[-1] + 1.0]
 
         times = [0.0]
@@ -70,22 +74,25 @@ class TempoMap:
             raise ConfigError("tempo", (self.beats, self.times_s), "two or more points, rising in beat and time")
 
     def shifted(self, by_s: float) -> TempoMap:
-        """The same music, later by a time."""
+        """Return a copy of the map whose times are ``by_s`` later."""
         return TempoMap(self.beats, tuple(time + by_s for time in self.times_s))
 
     def time_s(self, beat: float) -> float:
-        """Time of a beat [s]."""
+        """Return the time of a beat [s]."""
         return _interpolate(self.beats, self.times_s, beat)
 
     def beat(self, time_s: float) -> float:
-        """Beat at a time, as a number with a fraction."""
+        """Return the fractional beat at a time."""
         return _interpolate(self.times_s, self.beats, time_s)
 
     def line(self, time_s: float) -> tuple[float, float, float]:
-        """The linear segment of `beat` at a time.
+        """Return the linear segment of the function `beat` that contains a time.
+
+        Compiled code evaluates this line instead of calling `beat`.
 
         Returns:
-            the segment's value extrapolated to time 0 [beats], its slope [beats/s], and the time at which it ends [s].
+            the value of the segment extrapolated to time 0 [beats], its slope [beats/s], and the time at which the
+            segment ends [s].
         """
         k = _segment(self.times_s, time_s)
         rate = (self.beats[k + 1] - self.beats[k]) / (self.times_s[k + 1] - self.times_s[k])
@@ -100,12 +107,12 @@ def _interpolate(xs: tuple[float, ...], ys: tuple[float, ...], x: float) -> floa
 
 
 def _segment(xs: tuple[float, ...], x: float) -> int:
-    """Index of the segment between the points that applies at ``x``."""
+    """Index of the first point of the segment that contains ``x``, or of the outermost segment."""
     return min(max(bisect_right(xs, x) - 1, 0), len(xs) - 2)
 
 
 def _without_near_duplicates(marks: list[float]) -> list[float]:
-    """Marks without those that differ from a neighbour by rounding only; beat 0 stays."""
+    """Remove beats that differ from their predecessor, or from beat 0, by rounding only; beat 0 is kept."""
     return [beat for k, beat in enumerate(marks) if beat == 0.0 or not _near(beat, [*marks[k - 1 : k], 0.0])]
 
 
@@ -119,7 +126,7 @@ def _rises(values: tuple[float, ...]) -> bool:
 
 
 def _factor(tempo: Points, beat: float) -> float:
-    """Factor of the tempo at a beat; beyond the outermost points it is theirs."""
+    """Factor of the tempo at a beat; constant outside the points."""
     if not tempo:
         return 1.0
     first = tempo[0]
@@ -130,5 +137,5 @@ def _factor(tempo: Points, beat: float) -> float:
 
 
 def _mean_factor(before: float, after: float) -> float:
-    """The constant tempo that takes as long as a linear change between two: their logarithmic mean."""
+    """Constant tempo with the same duration as a linear change between two tempi: their logarithmic mean."""
     return before if math.isclose(before, after, rel_tol=1e-9) else (after - before) / math.log(after / before)

@@ -1,8 +1,8 @@
-"""Short texts that messages of several rooms contain."""
+"""Formatting of texts that messages of several packages contain."""
 
 from __future__ import annotations
 
 
 def counted(count: int, noun: str) -> str:
-    """A count with its noun: ``1 person``, ``2 persons``."""
+    """Return a count with its noun in singular or plural: ``1 person``, ``2 persons``."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -1,4 +1,4 @@
-"""Array types, names of agents, moves, kinds of events, tracking states of a joint."""
+"""Array types, names of agents, and enumerations of moves, kinds of events and tracking states."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 ROBOT = "robot"
-"""The robot's name wherever an agent is named; dancers are ``dancer_1``, ``dancer_2``, ..."""
+"""Name of the robot in all data. Dancers are ``dancer_1``, ``dancer_2``, ..."""
 
 
 def dancer_name(index: int) -> str:
-    """Name of the dancer with this index, counted from 0: ``dancer_name(0) == "dancer_1"``."""
+    """Return the name of the dancer with an index from 0: ``dancer_name(0) == "dancer_1"``."""
     return f"dancer_{index + 1}"
 
 
@@ -29,11 +29,11 @@ class Move(StrEnum):
     CLAP = "clap"
     TURN = "turn"
     DRIVE = "drive"
-    """Any speed and yaw rate; a move of the robot only, which the score does not contain."""
+    """Motion of the robot with a given speed and yaw rate; scores do not contain it."""
 
 
 class Kind(StrEnum):
-    """Kinds of events that sensors detect. The robot's turn counts as its clap in every synchrony measure.
+    """Kinds of events. Synchrony measures treat TURN, which the robot performs where dancers clap, as CLAP.
 
     Source: iqbal2016, section II-B for the human events.
     """
@@ -53,11 +53,11 @@ SYNCHRONY_KINDS = (
     Kind.STOP_BACKWARD,
     Kind.CLAP,
 )
-"""The five kinds that synchrony measures use."""
+"""The five kinds for which synchrony is measured."""
 
 
 class TrackingState(StrEnum):
-    """How the position of a joint is known. `Skeletons.state` has the codes below, in this order."""
+    """Tracking state of a joint, as in the Kinect SDK. `Skeletons.state` contains the codes 0, 1, 2 in this order."""
 
     NOT_TRACKED = "not_tracked"
     INFERRED = "inferred"
