@@ -3,7 +3,7 @@
 Public names:
     SessionConfig: configuration of one session.
     run_session: simulates a session and returns its log.
-    SessionLog: everything that a session leaves behind.
+    SessionLog: complete result of a session.
     measures: synchrony, timing and component measures of a log.
     synchrony: module with the synchrony equations for event times of any source.
     detect_events: detects events in recorded joints.

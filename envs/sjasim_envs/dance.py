@@ -1,4 +1,4 @@
-"""The environments: sessions whose robot is commanded by an agent. Nothing is simulated here."""
+"""The Gymnasium environments: sessions whose robot is commanded by an agent. `sjasim.session` simulates them."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ OPTIONS = ("humans", "people", "faults", "method")
 
 
 class Agent:
-    """The method of a session whose robot an agent commands: it receives everything and does nothing."""
+    """Anticipation method that returns no actions, for sessions whose robot is commanded by an agent."""
 
     def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
         """Nothing to prepare."""

@@ -23,18 +23,18 @@ WORKER_STEPS = 300
 """Steps of each worker."""
 
 SLICE_STEPS = 30
-"""Steps after which the measurement switches between the things that it compares."""
+"""Number of steps after which the measurement switches between the environment and the bare physics."""
 
 REPETITIONS = 3
 """Number of times that the environment and the bare physics run the same episode."""
 
 
 def profile_env() -> dict[str, Any]:
-    """Measure the named environment as ``gymnasium.make`` gives it, in alternation with the bare physics.
+    """Measure the CPU time of an environment from ``gymnasium.make``, in alternation with the bare physics.
 
-    The method ``metronome`` dances one iteration. The time of a reset is not measured, and neither is the choice of
-    actions: they are those of an earlier episode. Each slice of the episode counts with the median of the
-    repetitions, so that a machine that is slow for a while spoils only some of them.
+    An episode is one iteration. Its actions are recorded beforehand from the method ``metronome``, so that neither the
+    choice of actions nor the reset is measured. The episode is divided into slices, and the median over the repetitions
+    is used for each, which reduces the influence of temporary load on the machine.
 
     Returns:
         ``env_steps``, ``env_cpu_s`` and ``env_raw_cpu_s``.

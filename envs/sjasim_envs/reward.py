@@ -29,7 +29,7 @@ ARRIVAL_MARGIN_S = 0.5
 """Time after an iteration's window at which the iteration is closed [s]; all its events have arrived by then."""
 
 CHECK_INTERVAL_S = 0.1
-"""Time between two checks for collisions and drift [s]. Each check stands for the time since the last one."""
+"""Time between two checks for collisions and drift [s]. A result applies to the time since the last check."""
 
 
 @dataclass(frozen=True, slots=True)

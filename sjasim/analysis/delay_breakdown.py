@@ -25,7 +25,7 @@ from .session_metrics import logged_events
 NAN = float("nan")
 
 RECENT_S = 4.0
-"""Greatest age of an event that a command may answer [s]."""
+"""Largest age of an event that can be the cause of a command [s]."""
 
 NO_COMMAND = "no command was given"
 """Reason for a step without any decision in the log."""
@@ -36,7 +36,7 @@ StepKey = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class _Evidence:
-    """What the log says about the causes of the robot's steps.
+    """Entries of the log from which the causes of the robot's steps are determined.
 
     Attributes:
         events: the log's events.

@@ -1,4 +1,4 @@
-"""How well bodies perform their plans: timing of starts and stops, their rise times, and slipping of the feet.
+"""Accuracy with which bodies perform planned motion: timing of starts and stops, rise times, and foot slip.
 
 All functions are pure functions of sampled motion.
 """

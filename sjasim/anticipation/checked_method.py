@@ -1,4 +1,4 @@
-"""Checks of a method's answers, so that a mistake in a user's method is reported by name and at once."""
+"""Validation of the actions that a method returns, so that an error in a user's method is reported with its name."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class CheckedMethod:
     """Calls the hooks of a method and checks what they return.
 
     Args:
-        name: what the user calls the method.
+        name: name by which the user selected the method, for error messages.
         method: the method.
     """
 
@@ -51,7 +51,8 @@ class CheckedMethod:
 
         Args:
             hook: name of the hook, such as ``on_event``.
-            event_time_s: session time of what the method is told [s]; a timer must lie after it.
+            event_time_s: session time of the event, boundary or timer for which the hook is called [s]; a timer that
+                the hook sets must lie after it.
             arguments: the hook's arguments.
 
         Raises:

@@ -11,7 +11,7 @@ from ..core import Event
 from ..core.method_io import MethodAction, MethodContext
 
 LEAD_S = 0.15
-"""How long before a scheduled time the command is sent, to make up for the robot's latency [s].
+"""Time between the sending of a command and the time of its step, which compensates the robot's latency [s].
 
 Assumed: in the pilot studies of iqbal2016 the latency of the robot was measured, but the paper gives no figure.
 """

@@ -1,4 +1,4 @@
-"""Selection of the step of the dance that a move stands for, when a policy chooses moves and not steps."""
+"""Conversion of the moves that a policy chooses to steps of the dance."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from ..core.method_io import ROBOT_MOVES, MethodContext
 from .observation import MOVES, iteration_at
 
 MAX_EARLY_BEATS = 3.0
-"""How long before a step's beat its move may stand for it; dancers are rarely so early (assumed)."""
+"""Longest time before its beat at which a step can be selected; dancers are rarely earlier (assumed)."""
 
 
 class StepSelector:
     """Maps a chosen move to the step of that move whose beat is nearest; each step is selected once and in order.
 
-    In the environment an agent may do anything at any time; a method may not. A step may be selected however late, so
-    that a move that has begun can always be stopped, but not earlier than `MAX_EARLY_BEATS`. No step is selected in
-    the rehearsal.
+    An agent in the environment can command any move at any time; a method can only trigger steps. There is no limit on
+    the lateness of a step, so that a move that has begun can always be stopped. No step is selected earlier than
+    `MAX_EARLY_BEATS` before its beat, or in the rehearsal.
 
     Args:
         context: the dance.

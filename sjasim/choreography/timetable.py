@@ -17,7 +17,7 @@ from .score import Choreography
 
 @dataclass(frozen=True)
 class Timetable:
-    """Session times of a whole dance, before people add their own timing.
+    """Nominal session times of a whole dance, without the dancers' deviations.
 
     Attributes:
         choreography: the dance.

@@ -1,4 +1,4 @@
-"""Reports functions that numba compiles: for half a minute after an installation or an update, then none."""
+"""Reports the functions that Numba compiles: for about half a minute after an installation or update, then none."""
 
 from __future__ import annotations
 

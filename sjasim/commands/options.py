@@ -23,7 +23,7 @@ PLAIN_WORDS = {
     r"Error parsing (--\S+): invalid literal for int\(\) with base 10: ": r"\1 is to be a whole number, not ",
     r"Error parsing (--\S+): could not convert string to float: ": r"\1 is to be a number, not ",
 }
-"""Pattern of a message of Python's about a word that is no number -> the same in words that a user understands."""
+"""Pattern of Python's error message for an invalid number -> message that users of the command line understand."""
 
 HELP_WIDTH = 80
 """Widest line of the text above the options in a command's help."""

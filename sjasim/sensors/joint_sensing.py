@@ -56,7 +56,7 @@ class JointSensing:
 
     Attributes:
         dancers: (P,) dancer behind each row. Only for the record: it is what the server has to find out.
-        visible: (P, 25) which joints were visible in the last frame.
+        visible: (P, 25) whether each joint was visible in the last frame.
     """
 
     def __init__(self, mount: Mount, config: SessionConfig, rng: np.random.Generator) -> None:

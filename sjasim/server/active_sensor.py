@@ -44,7 +44,7 @@ _ROUNDING_S = 1e-6
 
 @dataclass(slots=True)
 class _Client:
-    """What is known of one sensor's client.
+    """State of one sensor's client, as known to the server.
 
     Attributes:
         bearing_rad: direction from the middle of the dancers' slots to the sensor, in the world.

@@ -34,7 +34,7 @@ class AttendanceMonitor:
         timetable: when the windows of the iterations end, and when each step is due.
 
     Attributes:
-        next_due_s: session time at which `check` has something to do [s]; infinite after the last iteration.
+        next_due_s: session time at which `check` is to be called next [s]; infinite after the last iteration.
     """
 
     def __init__(self, cast: Sequence[str], timetable: Timetable) -> None:

@@ -1,4 +1,4 @@
-"""Side sensors that help to detect claps: their claps count for dancers whose hands the active sensor does not see."""
+"""Acceptance of claps from sensors at the side, for dancers whose hands the active sensor does not see."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Hands that hang may be occluded where raised hands are not, and the other way ro
 
 
 class ClapAssistance:
-    """Decides for whose claps the clients at the side are asked, and which of their claps count.
+    """Selects the dancers for whom clients at the side detect claps, and decides which of these claps are accepted.
 
-    This is the one exception to the rule that only events of the active client count. A clap from another client
-    counts if both hold: it lies within ``side_clap_window_s`` of a beat on which the score has a clap, and within the
-    last `UNSEEN_S` before it the active client has reported the dancer without both hands.
+    All other events are accepted from the active client only. A clap from another client is accepted if it lies within
+    ``side_clap_window_s`` of the beat of a clap in the score, and if the active client has reported the dancer without
+    both hands within the last `UNSEEN_S` before it.
 
     Args:
         cast: names of the dancers.

@@ -46,8 +46,8 @@ class Dispatcher:
         heartbeat_hz: repetitions per second.
 
     Attributes:
-        next_due_s: session time at which `due_commands` or `due_timers` has something to do [s]; infinite for never.
-        decisions: what became of every action, for the log.
+        next_due_s: session time at which `due_commands` or `due_timers` is to be called next [s]; infinite for never.
+        decisions: outcome of every action, for the log.
         notices: a dead robot, and actions that no method should return.
     """
 

@@ -29,9 +29,9 @@ _NO_MATCH_COST = 1e6
 class IdentityAssigner:
     """Assigns dancers' names to the persons of all sensors.
 
-    At the start each dancer stands on their slot. From then on a name belongs to whoever continues the dancer's path,
-    in any sensor and whatever identity that sensor gives the person. A person whom no dancer can have become has no
-    name.
+    At the start each dancer is at its slot. Afterwards a name is assigned to the person whose position continues the
+    path of the dancer, independently of the sensor and of the sensor's identity for the person. A person whose position
+    no dancer can have reached has no name.
 
     Args:
         names: the dancers' names.
@@ -46,7 +46,7 @@ class IdentityAssigner:
         """Sensor -> sensor's identity of a person -> index of the dancer."""
 
     def cast_indices(self, sensor: str) -> Mapping[int, int]:
-        """A sensor's identities of persons -> indices of dancers. A change of identities gives a new mapping."""
+        """Return the mapping from a sensor's person identities to dancer indices; a change creates a new mapping."""
         return self._indices.get(sensor, {})
 
     def name(self, sensor: str, person: int) -> str | None:

@@ -27,8 +27,8 @@ CRAWL_FROM_M = 0.05
 """Distance beyond its end from which a move slows down to `CRAWL_M_S` [m] (assumed)."""
 
 HALT_FROM_M = 0.17
-"""Distance beyond its end at which the robot halts, whatever the method commands [m] (assumed): the next place belongs
-to somebody else."""
+"""Distance beyond the end of a move at which the robot stops, independently of the method [m] (assumed). It prevents a
+collision with a dancer in the neighbouring slot."""
 
 REPOSITION_FROM_M = 0.10
 """Distance from the nominal end of the last move from which a stopped robot drives there [m] (assumed)."""
@@ -50,7 +50,7 @@ Key = tuple[int, int]
 
 
 class MovePlanner:
-    """Plans speed and heading of the robot's moves from where it believes it is.
+    """Plans speed and heading of the robot's moves from its odometry.
 
     A forward move ends at its nominal end, a backward move on the robot's slot. Both are turned off the iteration's
     heading to correct a lateral error.

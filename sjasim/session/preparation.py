@@ -18,7 +18,7 @@ from .world import DownlinkMessage, UplinkMessage
 
 
 class Boundary(NamedTuple):
-    """Beginning or end of an iteration, as a method is told of it.
+    """Beginning or end of an iteration, for which a hook of the method is called.
 
     Attributes:
         t_s: session time [s].
@@ -32,9 +32,9 @@ class Boundary(NamedTuple):
 
 
 def iteration_boundaries(timetable: Timetable) -> deque[Boundary]:
-    """All boundaries of a dance in order of time, followed by one at infinity.
+    """Return all boundaries of a dance in order of time, followed by one at infinity.
 
-    The last one is never reached. It saves callers a test for an empty queue.
+    The boundary at infinity is never reached. With it, callers need not test for an empty queue.
     """
     iterations = range(timetable.first, timetable.last + 1)
     starts = [Boundary(timetable.start_s(iteration), iteration, True) for iteration in iterations]
@@ -45,7 +45,7 @@ def iteration_boundaries(timetable: Timetable) -> deque[Boundary]:
 
 
 def method_context(config: SessionConfig, timetable: Timetable) -> MethodContext:
-    """What the session's method is told before the dance."""
+    """Return the context that the session's method receives before the dance."""
     iterations = range(config.iterations + 1)
 
     return MethodContext(

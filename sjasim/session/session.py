@@ -7,8 +7,8 @@ A message goes round in a circle:
 2. **Uplinks** deliver these messages to the server, with latency, jitter and packet loss.
 3. The **server** turns a client's report into an `Event`: session time instead of device time, a dancer's name instead
    of a sensor's identity, each event once.
-4. The **method** is told of the event, of the boundaries of iterations and of its timers. It answers with actions:
-   schedule a command, cancel one, set a timer.
+4. The hooks of the **method** are called for events, for the boundaries of iterations and for its timers. They return
+   actions: schedule a command, cancel one, set a timer.
 5. The **dispatcher** keeps the schedule and sends each command to the robot when it is due.
 6. **Downlinks** deliver commands to the robot, and the server's orders and clock requests to the sensor clients.
 7. The **world** hands them to its devices, which act on them at their next control step or frame.
@@ -42,7 +42,7 @@ from .preparation import SessionLinks, check_fault_targets, iteration_boundaries
 from .world import UplinkMessage, World
 
 _TIME_TOLERANCE_S = 1e-9
-"""Session times closer than this are the same: sums of steps do not hit an end time exactly."""
+"""Tolerance in comparisons of session times, because sums of steps have rounding errors [s]."""
 
 _PACKAGES = ("sjasim", "mujoco", "numpy", "scipy", "numba", "gymnasium", "rerun-sdk", "dm-control", "pyarrow")
 """Packages whose versions are kept with a session's log."""

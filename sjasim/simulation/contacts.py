@@ -42,7 +42,7 @@ def _spheres_overlap(
 
 @compiled_entry
 def _robot_dancer_contacts(pairs: NDArray[np.int32], codes: NDArray[np.int8]) -> BoolArray:
-    """Which contacts are between the robot and a dancer.
+    """Return whether each contact is between the robot and a dancer.
 
     Args:
         pairs: (C, 2) geoms of each contact.

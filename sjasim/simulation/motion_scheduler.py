@@ -41,7 +41,7 @@ class MotionScheduler:
 
     Attributes:
         cues: all cues so far, in order of iteration and time.
-        notices: what the timing model has to say about its data.
+        notices: notices of the timing model about its data.
         omega: (D,) pendulum rates of the dancers [1/s].
     """
 

@@ -221,11 +221,11 @@ class Physics:
         return DancerStates(rows)
 
     def measure_load(self) -> None:
-        """Measure what the floor carries of each dancer, for the states that are read from now on.
+        """Measure the vertical force of the floor on each dancer, for the states that are read from now on.
 
-        It is measured between the ticks of the balance controller, since at these the joint targets are a whole
-        control step old. Only soles meet the floor, so the constraint force on the root's vertical is what the feet
-        carry, but for contacts with other bodies.
+        Call it between the ticks of the balance controller, because at these the joint targets are a whole control step
+        old. Only the soles touch the floor, so the constraint force on the root's vertical coordinate is the force on
+        the feet, apart from contacts with other bodies.
         """
         self._load_n[:] = self.data.qfrc_constraint[self._lift_dof]
 

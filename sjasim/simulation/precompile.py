@@ -23,12 +23,12 @@ TICKS_PER_FRAME = 5
 
 
 def compile_session() -> None:
-    """Compile what every session needs: dancers, robot, event detectors and joint sensing."""
+    """Compile the functions of every session: dancers, robot, event detectors and joint sensing."""
     run_session(SessionConfig(sensing="joints", iterations=1, dance=DanceConfig(rehearsal=False)))
 
 
 def compile_skeletons() -> None:
-    """Compile what depth sensing adds: depth images and skeletons from them."""
+    """Compile the additional functions of depth sensing: depth images, and skeletons from them."""
     config = SessionConfig(sensing="depth", iterations=1)
     world = PhysicsWorld(config, timetable(config), layout(config), robot=True)
     source = world.sensing[world.active]
@@ -42,7 +42,7 @@ PARTS: dict[str, Callable[[], None]] = {"session": compile_session, "skeletons":
 
 def main(names: list[str]) -> None:
     """Compile the named parts, or all of them if none is named."""
-    # Collecting cycles takes a tenth of the time that compiling takes, and this process ends soon.
+    # Garbage collection takes a tenth of the compile time, and is unnecessary in a process that ends soon.
     gc.disable()
     for name in names or list(PARTS):
         PARTS[name]()

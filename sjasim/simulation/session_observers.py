@@ -1,4 +1,4 @@
-"""What watches a session while it is simulated: the rerun viewer, a video, depth images."""
+"""Observers of a session during its simulation: rerun viewer, video writer and depth recorder."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class SessionObservers:
-    """Attaches observers to a session, and finishes them when it is over. They change nothing in it.
+    """Attaches observers to a session, and closes them at its end. Observers do not change the session.
 
     Args:
         closing: closes the viewer and removes an unfinished video, however the session ends.

@@ -23,7 +23,7 @@ ASTRAY_M = 0.15
 """Error above which a joint should not be called tracked."""
 
 VISIBLE_SHARE = 0.9
-"""Share of frames in which a dancer's joints must be visible for the dancer to count as visible."""
+"""Smallest fraction of frames with visible joints at which a dancer is regarded as visible."""
 
 _BASE = JOINT_INDEX["SpineBase"]
 _HANDS = [JOINT_INDEX["HandLeft"], JOINT_INDEX["HandRight"]]

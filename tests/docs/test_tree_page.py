@@ -1,4 +1,4 @@
-"""The page "Where is what" names every room, and only files that exist."""
+"""The page "Where to find what" names every room, and only files that exist."""
 
 import re
 

@@ -34,7 +34,7 @@ QUANTILES = tuple(float(share) for share in np.linspace(0.0, 1.0, 21))
 """Shares at which distributions of errors are given."""
 
 ALL = "all"
-"""Value of a column over whose values a row sums."""
+"""Value of a column in rows that aggregate over all values of the column."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Outcome:
     Attributes:
         sensing: ``joints`` or ``depth``.
         kind: kind of the event.
-        early: whether the detectors were to announce it; the error of an early event is negative if it came ahead.
+        early: whether it is an early event; its error is negative if it precedes the true event.
         row: ``front`` or ``back``: whether the dancer stands nearer to the sensor than the middle of the group.
         band: one of `BANDS`.
         true: whether it happened.

@@ -18,10 +18,10 @@ from ...core.session_log import SessionLog
 from .detection_accuracy import ALL, BANDS
 
 OUTLIER_M = 0.15
-"""Distance from the truth beyond which a tracked joint is on something else, not measured imprecisely [m]."""
+"""Error beyond which a tracked joint is on another object or body part, not measured imprecisely [m]."""
 
 LEAST_FRAMES = 60
-"""Fewest frames of a joint before one sensor from which its constant error is told from its slow one."""
+"""Smallest number of frames of a joint before one sensor that separates its constant from its slow error."""
 
 OUTLIER_STEP = 4.0
 """Changes of the error between frames beyond this many robust standard deviations are jumps, not drift."""

@@ -32,13 +32,13 @@ MAX_FOOT_SHIFT_M = 0.15
 """Largest shift of a foothold [m] (assumed)."""
 
 MAX_INWARD_SHIFT_M = 0.06
-"""Largest shift of a foothold towards the other foot, which it must not meet [m] (assumed)."""
+"""Largest shift of a foothold towards the other foot; it prevents collisions of the feet [m] (assumed)."""
 
 MAX_PREDICTION_S = 0.4
 """Longest time over which the error at landing is predicted, since it grows exponentially [s] (assumed)."""
 
 MIN_STANCE_SHARE = 0.03
-"""A foot with a smaller share of the weight does not balance (assumed)."""
+"""Smallest fraction of the weight on a foot at which its ankle is used for balance (assumed)."""
 
 _LEGS = np.array([[ACTUATED_INDEX[f"{joint}_{side}"] for joint in LEG_JOINTS] for side in "LR"])
 

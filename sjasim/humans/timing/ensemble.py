@@ -28,7 +28,7 @@ MIN_MOVE_S = 0.8
 """Shortest move forward or backward [s] (assumed)."""
 
 MIN_HOLD_S = 0.15
-"""Shortest standing between two moves [s] (assumed)."""
+"""Shortest hold between two moves [s] (assumed)."""
 
 PREPARATION_S = 0.5
 """Least time from the decision for a move to its begin, in which people prepare the first step [s] (assumed)."""

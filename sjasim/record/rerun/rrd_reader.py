@@ -1,4 +1,4 @@
-"""Reads what only the recording of a session holds: joints and skeletons, which no table contains."""
+"""Reads joints and skeletons from the rerun recording of a session; the tables do not contain them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lanes of a recording, which show as coloured bars what happened when, and its text logs.
+"""Lanes of a recording, which show events and states over time as coloured bars, and its text logs.
 
 To add a lane: name it in `lane_names`, and return its marks from `_log_marks` (known while the session runs) or
 `_report_marks` (known once it is over). A state with a colour of its own is an entry of `STATE_COLOURS`.

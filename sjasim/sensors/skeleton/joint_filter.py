@@ -36,7 +36,7 @@ REAPPEARED_M = 0.03
 """A joint that reappears is tracked once it is this near to where it is found (assumed)."""
 
 NEGLIGIBLE_M = 0.002
-"""A remaining distance below this counts as none (assumed)."""
+"""Remaining distance below which it is set to zero (assumed)."""
 
 COMMON_S = 0.04
 """Time constant with which the trunk leaves its predicted motion; at constant speed it causes no delay (assumed)."""

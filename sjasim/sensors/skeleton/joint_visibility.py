@@ -44,13 +44,13 @@ ARM_REACH_M = 0.40
 """What is farther than this in front of a trunk joint belongs to somebody else: no own arm reaches there (assumed)."""
 
 OCCLUDED = -1
-"""Verdict on a joint that something covers, or where there is none of its surface."""
+"""Result for a joint that is occluded, or at which the image shows free space."""
 
 UNDECIDED = 0
-"""Verdict on a joint for which the image does not tell."""
+"""Result for a joint whose visibility the image does not determine."""
 
 VISIBLE = 1
-"""Verdict on a joint with surface where its own would be."""
+"""Result for a joint at which the image shows a surface of the person."""
 
 
 @compiled_inner

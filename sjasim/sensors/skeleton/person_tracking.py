@@ -19,13 +19,13 @@ from .posture_prior import JointMask
 from .trained_model import MODEL_STATURE_M, RuntimeModel
 
 CONFIRM_FRAMES = 3
-"""Frames in which somebody must be seen before a person is reported."""
+"""Number of frames in which a person must be detected before it is reported."""
 
 INFER_S = 0.6
 """How long the joints of a person out of sight are inferred (assumed)."""
 
 FORGET_S = 3.0
-"""How long a person out of sight is remembered (assumed)."""
+"""Time after which a person out of sight is removed (assumed)."""
 
 COAST_S = 1.0
 """Time constant with which the velocity of a person out of sight decays (assumed)."""
@@ -37,7 +37,7 @@ REACH_M_S = 1.0
 """Rate at which this distance grows (assumed)."""
 
 MIN_DISTANCE_M = 0.30
-"""Two persons cannot stand closer than this; the younger one is a mistake (assumed)."""
+"""Smallest distance between two persons; of two that are closer, the one detected later is removed (assumed)."""
 
 SPEED_S = 0.10
 """Time constant of the trunk's velocity (assumed)."""
@@ -49,9 +49,9 @@ YAW_S = 0.25
 """Time constant with which the forest's yaw corrects the tracked one (assumed)."""
 
 YAW_WRONG_RAD = math.radians(60.0)
-"""Difference of the two yaws beyond which only one can be right (assumed).
+"""Difference of the two yaws beyond which the tracked one is assumed to be wrong (assumed).
 
-The forest is believed then, since it does not remember its mistakes.
+The forest is trusted then, because it estimates each frame independently and does not carry errors over.
 """
 
 YAW_WRONG_S = 0.08
