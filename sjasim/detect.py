@@ -47,7 +47,7 @@ def command(arguments: Sequence[str], program: str = "python -m sjasim.detect") 
     from .record.joint_table import read_joints
 
     table = event_table(recording(*read_joints(options.joints)), options.table, options.joints.stem)
-    sys.stderr.writelines(f"{line}\n" for line in table.warnings)
+    sys.stderr.writelines(f"warning: {line}\n" for line in table.warnings)
     if options.json:
         sys.stdout.write(json.dumps({"schema": 1, "events": table.rows}, indent=1) + "\n")
         return

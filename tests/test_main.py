@@ -40,11 +40,12 @@ def test_the_version(capsys):
     ("arguments", "says"),
     [
         (["rnu"], "error: no command named 'rnu'; did you mean run? (see sjasim --help)"),
+        (["view"], "error: DIR is missing: the session's folder (see sjasim view --help)"),
         (["xyz"], "error: no command named 'xyz' (see sjasim --help)"),
         ([], "error: no command given (see sjasim --help)"),
     ],
 )
-def test_an_unknown_command_gives_one_line_and_2(capsys, arguments, says):
+def test_a_command_line_that_is_not_understood_gives_one_line_and_2(capsys, arguments, says):
     assert main(arguments) == 2
     heard = capsys.readouterr()
     assert (heard.out, heard.err) == ("", f"{says}\n")

@@ -29,7 +29,7 @@ class LearnedConfig:
 
     def __post_init__(self) -> None:
         if not self.policy:
-            raise ConfigError("learned.policy", self.policy, "the npz file of a trained policy")
+            raise ConfigError("learned.policy", self.policy, "the npz file of a trained policy (--policy FILE.npz)")
 
 
 @register("anticipation", "learned", config=LearnedConfig)

@@ -109,7 +109,7 @@ def build_method(name: str, options: Mapping[str, float | int | bool | str] | No
     try:
         entry = resolve("anticipation", name)
     except UnknownNameError as error:
-        raise UnknownNameError("anticipation", name, (*error.known, HUMANS_ONLY)) from None
+        raise UnknownNameError("method", name, (*error.known, HUMANS_ONLY)) from None
 
     given = dict(options or {})
     if entry.config is None:

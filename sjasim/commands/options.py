@@ -20,10 +20,13 @@ from .former_flags import present_flags
 T = TypeVar("T")
 
 PLAIN_WORDS = {
-    r"Error parsing (--\S+): invalid literal for int\(\) with base 10: ": r"\1 is to be a whole number, not ",
-    r"Error parsing (--\S+): could not convert string to float: ": r"\1 is to be a number, not ",
+    r"Error parsing (--\S+): invalid literal for int\(\) with base 10: ": r"\1 must be a whole number, not ",
+    r"Error parsing (--\S+): could not convert string to float: ": r"\1 must be a number, not ",
+    r"^Missing from .*?: (\S+) (.*?)\.? \(required\).*": r"\1 is missing: \2",
+    r"^Missing value for argument '(--\S+)'\..*": r"\1 needs a value",
+    r"^Unrecognized options: ": "unknown options: ",
 }
-"""Pattern of Python's error message for an invalid number -> message that users of the command line understand."""
+"""Pattern of an error message of Python or tyro -> message that users of the command line understand."""
 
 HELP_WIDTH = 80
 """Widest line of the text above the options in a command's help."""

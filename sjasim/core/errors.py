@@ -33,7 +33,7 @@ class UnknownNameError(SjasimError):
     """
 
     def __init__(self, room: str, name: str, known: tuple[str, ...]) -> None:
-        super().__init__(f"no {room} named {name!r}: known are {', '.join(known)}, or module:Class")
+        super().__init__(f"no {room} named {name!r}: known are {', '.join(known)}, or module:Name")
         self.room = room
         self.name = name
         self.known = known

@@ -30,6 +30,9 @@ FOLDERS = {
 }
 """Kind of plug-in -> package, relative to ``sjasim``, whose modules register plug-ins of this kind."""
 
+WORDS = {"anticipation": "method", "choreography": "dance"}
+"""Kind of plug-in -> what messages to users call it, where that is not the kind itself."""
+
 REGISTERED_ELSEWHERE = {("body", "cmu"): "interop.cmu_humanoid", ("world", "physics"): "simulation.physics_world"}
 """(kind, name) -> module outside the kind's folder that registers this plug-in.
 
@@ -112,26 +115,27 @@ def resolve(kind: str, name: str) -> Entry:
             raise PluginError(f"{kind} {name!r}: {error}") from error
 
     if name not in _ENTRIES[kind]:
-        raise UnknownNameError(kind, name, names(kind))
+        raise UnknownNameError(WORDS.get(kind, kind), name, names(kind))
     return _ENTRIES[kind][name]
 
 
 def _resolve_outside(kind: str, name: str) -> Entry:
     """Import a plug-in that is named as ``module:Attribute``."""
     module_name, _, attribute = name.partition(":")
+    word = WORDS.get(kind, kind)
     try:
         module = importlib.import_module(module_name)
     except Exception as error:
-        raise PluginError(f"{kind} {name!r}: cannot import {module_name!r} ({_reason(error)})") from error
+        raise PluginError(f"{word} {name!r}: cannot import {module_name!r} ({_reason(error)})") from error
     try:
         item = getattr(module, attribute)
     except AttributeError as error:
-        raise PluginError(f"{kind} {name!r}: module {module_name!r} has no {attribute!r}") from error
+        raise PluginError(f"{word} {name!r}: module {module_name!r} has no {attribute!r}") from error
     for entry in _ENTRIES[kind].values():
         if entry.factory is item:
             return entry
     if not callable(item):
-        raise PluginError(f"{kind} {name!r} is not a class or function")
+        raise PluginError(f"{word} {name!r} is not a class or function")
     return Entry(name, item, getattr(item, "config_type", None))
 
 

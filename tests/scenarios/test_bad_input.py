@@ -9,7 +9,7 @@ from sjasim.commands.main import main
 
 BAD = {
     "unknown method": (["--method", "sai"], "sia"),
-    "unknown humans": (["--humans", "tired"], "FILE.toml, replay:FILE, or module:Class"),
+    "unknown humans": (["--humans", "tired"], "FILE.toml, replay:FILE, or module:Name"),
     "unknown sensing": (["--sensing", "sonar"], "joints"),
     "unknown dance": (["--dance.name", "tango"], "paper"),
     "negative time": (["--dance.tail-s", "-3"], "dance.tail_s"),

@@ -192,8 +192,8 @@ def _end_reason(output: IO[bytes]) -> str:
 
     if any(word in text for word in ("render context", "adapter", "Vulkan", "wgpu")):
         return (
-            "rerun's viewer has nothing to draw with: on Debian and Ubuntu install mesa-vulkan-drivers "
-            "(apt-get install mesa-vulkan-drivers)"
+            "rerun's viewer has nothing to draw with: it needs a Vulkan driver (on Debian and Ubuntu: "
+            "apt-get install mesa-vulkan-drivers)"
         )
     last_line = next((line.strip() for line in reversed(text.splitlines()) if line.strip()), "no reason given")
     return f"rerun's viewer ended at once: {last_line}"

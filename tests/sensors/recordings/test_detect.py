@@ -137,7 +137,7 @@ def test_a_file_without_events_says_so_on_stderr(tmp_path, capsys):
     output = capsys.readouterr()
     assert output.out == "session,iteration,agent,kind,t_s,early,t_onset_s\n"
     assert output.err.splitlines() == [
-        "person 1: no events can be found: none of 2 frames has both hips (HipLeft, HipRight)",
-        "person 1: no claps can be found: none of 2 frames has two tracked hands (HandLeft, HandRight)",
-        "no events in 2 frames of 1 person",
+        "warning: person 1: no events can be found: none of 2 frames has both hips (HipLeft, HipRight)",
+        "warning: person 1: no claps can be found: none of 2 frames has two tracked hands (HandLeft, HandRight)",
+        "warning: no events in 2 frames of 1 person",
     ]
