@@ -22,7 +22,7 @@ class DanceConfig:
         pauses: pauses of the music, as pairs of a beat and the duration of the pause before it [s].
         lead_in_s: time before the music starts [s], in which the clocks are synchronised.
         tail_s: duration of the session after the last beat [s].
-        rehearsal: Start with one iteration without the robot, from which the methods predict the next one;
+        rehearsal: start with one iteration without the robot, from which the methods predict the next one;
             ``--dance.no-rehearsal`` omits it.
     """
 

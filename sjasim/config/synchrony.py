@@ -13,7 +13,7 @@ class SynchronyConfig:
 
     Attributes:
         tau_s: two events of a kind coincide if they are less than this apart [s] (iqbal2016: .25 s).
-        one_to_one: Match each event at most once, which bounds Q by 1; the equation in iqbal2016 is not bounded.
+        one_to_one: match each event at most once, which bounds Q by 1; the equation in iqbal2016 is not bounded.
     """
 
     tau_s: float = 0.25
