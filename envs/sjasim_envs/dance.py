@@ -20,9 +20,8 @@ from sjasim.choreography.layout import layout
 from sjasim.choreography.timetable import timetable
 from sjasim.config import HUMANS_ONLY, SessionConfig
 from sjasim.config.toml_file import from_plain
-from sjasim.core import Event, Move
+from sjasim.core import Move
 from sjasim.core.errors import SjasimError
-from sjasim.core.method_io import MethodAction, MethodContext
 from sjasim.humans.body.body_model import body_model
 from sjasim.session.session import Session
 from sjasim.simulation.cast import make_human_timing
@@ -30,6 +29,7 @@ from sjasim.simulation.physics_world import physics_of
 from sjasim.simulation.rendering import Renderer
 from sjasim.simulation.viewer_window import ViewerWindow
 
+from .agent import Agent
 from .observation import Observer
 from .reward import RewardConfig, Scorer
 
@@ -41,29 +41,6 @@ PlainAction = int | tuple[float, float]
 
 OPTIONS = ("humans", "people", "faults", "method")
 """Options that ``reset(options=...)`` takes."""
-
-
-class Agent:
-    """Anticipation method that returns no actions, for sessions whose robot is commanded by an agent."""
-
-    def reset(self, context: MethodContext, rng: np.random.Generator) -> None:
-        """Nothing to prepare."""
-
-    def on_event(self, event: Event) -> Sequence[MethodAction]:
-        """Do nothing."""
-        return ()
-
-    def on_iteration_start(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
-        """Do nothing."""
-        return ()
-
-    def on_iteration_end(self, iteration: int, t_s: float) -> Sequence[MethodAction]:
-        """Do nothing."""
-        return ()
-
-    def on_timer(self, t_s: float) -> Sequence[MethodAction]:
-        """Do nothing."""
-        return ()
 
 
 class _Dance(gym.Env[Any, Any]):
