@@ -16,7 +16,7 @@ from sjasim.commands.main import main
 from sjasim.config import SessionConfig
 from sjasim.core.errors import ConfigError, PluginError, RecordError
 from sjasim.humans.timing.parameters import read_parameters
-from sjasim.simulation.cast import make_human_timing
+from sjasim.session.dancers import make_human_timing
 
 CONFIG = SessionConfig(humans="musicians", method="none")
 

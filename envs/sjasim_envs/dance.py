@@ -23,8 +23,8 @@ from sjasim.config.toml_file import from_plain
 from sjasim.core import Move
 from sjasim.core.errors import SjasimError
 from sjasim.humans.body.body_model import body_model
+from sjasim.session.dancers import make_human_timing
 from sjasim.session.session import Session
-from sjasim.simulation.cast import make_human_timing
 from sjasim.simulation.physics_world import physics_of
 from sjasim.simulation.rendering import Renderer
 from sjasim.simulation.viewer_window import ViewerWindow

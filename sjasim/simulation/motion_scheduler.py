@@ -18,7 +18,7 @@ from ..humans.motion.planner import PREVIEW_S, Planner
 from ..humans.motion.reference_trajectory import ReferenceTrajectory
 from ..humans.timing.ensemble import PREPARATION_S
 from ..humans.timing.replay import Replay
-from .cast import cues_with_faults, make_human_timing, perceived_timing_error_s
+from ..session.dancers import cues_with_faults, make_human_timing, perceived_timing_error_s
 
 REST_S = 0.7
 """Minimum rest between a dancer's last move of an iteration and the next iteration [s]; assumed: the sway of the turn

@@ -11,7 +11,7 @@ from sjasim.commands.main import main
 from sjasim.config import SessionConfig
 from sjasim.config.toml_file import to_plain
 from sjasim.record.parquet import write_rows
-from sjasim.simulation.cast import make_human_timing
+from sjasim.session.dancers import make_human_timing
 
 from .pages import commands
 

@@ -14,8 +14,8 @@ from sjasim.core.method_io import MethodContext, ScheduleCommand
 from sjasim.core.registry import resolve
 from sjasim.humans.body.anatomy import Build
 from sjasim.humans.timing.human_timing import HumanTiming
+from sjasim.session.dancers import make_human_timing
 from sjasim.session.session import run_session
-from sjasim.simulation.cast import make_human_timing
 
 from .pages import EXAMPLES, text_of
 

@@ -1,0 +1,34 @@
+"""Faults in the dancers' cues, and the timing error that the dancers perceive."""
+
+from __future__ import annotations
+
+import pytest
+
+from sjasim.config import FaultConfig
+from sjasim.core import ROBOT, Cue, Kind, Move
+from sjasim.core.session_log import AgentEvent
+from sjasim.session.dancers import cues_with_faults, perceived_timing_error_s
+
+
+def test_perceived_error_is_the_distance_from_the_dancers_mean_time():
+    cues = [Cue(f"dancer_{k}", Move.FORWARD, 1, 0, 0.0, 10.0 + 0.2 * k, 2.0) for k in range(3)]
+    clap = Cue("dancer_1", Move.CLAP, 1, 8, 32.0, 26.0, 0.0)
+    robot = [AgentEvent(1, ROBOT, Kind.START_FORWARD, 10.5), AgentEvent(1, ROBOT, Kind.TURN, 26.5)]
+    assert perceived_timing_error_s([*cues, clap], robot) == pytest.approx((0.3 + 0.5) / 2)
+
+
+def test_perceived_error_is_none_without_dancers_or_robot():
+    clap = Cue("dancer_1", Move.CLAP, 1, 8, 32.0, 26.0, 0.0)
+    turn = AgentEvent(1, ROBOT, Kind.TURN, 26.5)
+    assert perceived_timing_error_s([clap], []) is None
+    assert perceived_timing_error_s([], [turn]) is None
+
+
+def test_faults_delay_or_remove_the_cues_of_their_target_from_their_time_on():
+    cues = tuple(
+        Cue(dancer, Move.FORWARD, 1, 0, 0.0, t_s, 2.0) for dancer in ("dancer_1", "dancer_2") for t_s in (4.0, 8.0)
+    )
+    late = cues_with_faults(cues, [FaultConfig("dancer_late", "dancer_1", 5.0, 0.5)])
+    assert [cue.t_s for cue in late] == [4.0, 8.5, 4.0, 8.0]
+    stopped = cues_with_faults(cues, [FaultConfig("dancer_stops", "dancer_2", 8.0)])
+    assert [(cue.dancer, cue.t_s) for cue in stopped] == [("dancer_1", 4.0), ("dancer_1", 8.0), ("dancer_2", 4.0)]
