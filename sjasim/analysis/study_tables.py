@@ -45,7 +45,7 @@ SESSIONS: Mapping[str, Column] = {
     "ta_mean_s": Column("float64", "mean timing appropriateness of the robot [s]; NaN without a robot"),
     "robot_missed": Column("int64", "number of steps that the robot did not perform"),
 }
-"""One row for each session. Columns ``factor.NAME`` with the levels of the design's factors follow, if there are any."""
+"""One row for each session. Columns ``factor.NAME`` follow, with the levels of the factors of the design."""
 
 ITERATIONS: Mapping[str, Column] = {
     "session": Column("int64", "the session"),
@@ -65,7 +65,7 @@ STEPS: Mapping[str, Column] = {
     "iteration": Column("int64", "iteration of the dance, from 1"),
     "ordinal": Column("int64", "step of the dance within the iteration, from 0"),
     "ta_s": Column(
-        "float64", "timing appropriateness: distance of the robot from the dancers' mean [s]; NaN if missed"
+        "float64", "timing appropriateness: distance from the dancers' mean time [s]; NaN if missed"
     ),
     "latency_s": Column("float64", "robot's time minus the followed dancer's [s]; NaN if it followed nobody or missed"),
 }
