@@ -18,6 +18,7 @@ from .scene import SceneConfig
 from .sensors import MAX_TRACKED_PERSONS, SensorConfig
 from .session import HUMANS_ONLY, SessionConfig
 from .synchrony import SynchronyConfig
+from .timing import TimingConfig
 
 __all__ = [
     "FAULTS",
@@ -36,4 +37,5 @@ __all__ = [
     "SensorConfig",
     "SessionConfig",
     "SynchronyConfig",
+    "TimingConfig",
 ]

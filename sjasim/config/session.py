@@ -19,6 +19,7 @@ from .robot import RobotConfig
 from .scene import SceneConfig
 from .sensors import MAX_TRACKED_PERSONS, SensorConfig
 from .synchrony import SynchronyConfig
+from .timing import TimingConfig
 
 MAX_DANCERS = 8
 """Largest number of dancers."""
@@ -49,7 +50,8 @@ class SessionConfig:
         layout: arrangement of the slots: ``square``, ``rows`` or ``custom``.
         performance: name of the performance. Sessions with the same seed and name have the same performance under every
             method. With "", each method has a different performance by the same persons.
-        fidelity: world that is simulated: ``physics`` (bodies, robot and sensors in MuJoCo).
+        fidelity: world that is simulated: ``physics`` (bodies, robot and sensors in MuJoCo) or ``timing`` (events in
+            time only, some thousand times as fast; delays and misses are drawn from what was measured in physics).
         method_options: option -> value, by the names of the fields of the method's configuration.
         faults: faults to inject.
         scene: positions of dancers, robot and sensors.
@@ -63,6 +65,7 @@ class SessionConfig:
         network: delays and losses of messages.
         clocks: errors of the sensor clients' clocks.
         synchrony: parameters of the synchrony measures.
+        timing: statistics that ``fidelity = timing`` draws from.
     """
 
     method: str = "sia"
@@ -87,9 +90,10 @@ class SessionConfig:
     network: NetworkConfig = NetworkConfig()
     clocks: ClockConfig = ClockConfig()
     synchrony: SynchronyConfig = SynchronyConfig()
+    timing: TimingConfig = TimingConfig()
 
     def __post_init__(self) -> None:
-        one_of("fidelity", self.fidelity, ("physics",))
+        one_of("fidelity", self.fidelity, ("physics", "timing"))
         one_of("layout", self.layout, ("square", "rows", "custom"))
         within("iterations", self.iterations, 1, 64)
         within("seed", self.seed, 0, 2**63 - 1)

@@ -78,18 +78,22 @@ class ActiveSensorSelector:
         timetable: when the iterations begin, and which way they face.
         layout: where the sensors and the dancers' slots are.
         dancers: number of dancers.
+        continuous: whether the clients report all the time. Without, silence means nothing: no client counts as dead,
+            and reports do not become stale.
 
     Attributes:
         name: the active sensor.
     """
 
-    def __init__(self, timetable: Timetable, layout: Layout, dancers: int) -> None:
+    def __init__(self, timetable: Timetable, layout: Layout, dancers: int, *, continuous: bool = True) -> None:
         centre = layout.dancers.mean(axis=0)
         self._clients = {
             mount.name: _Client(math.atan2(mount.position[1] - centre[1], mount.position[0] - centre[0]))
             for mount in layout.mounts
         }
         self._dancers = max(dancers, 1)
+        self._silence_s = SILENCE_S if continuous else math.inf
+        self._stale_s = STALE_S if continuous else math.inf
 
         iterations = range(timetable.first, timetable.last + 1)
         faced = [self._sensor_towards(timetable.heading_rad(iteration)) for iteration in iterations]
@@ -170,7 +174,7 @@ class ActiveSensorSelector:
 
         notices: list[Notice] = []
         for name, client in self._clients.items():
-            if client.alive and t_s - client.last_message_s > SILENCE_S:
+            if client.alive and t_s - client.last_message_s > self._silence_s:
                 client.alive = False
                 notices.append(Notice(t_s, name, f"client is dead: silent for more than {SILENCE_S:g} s"))
 
@@ -195,7 +199,7 @@ class ActiveSensorSelector:
 
         for name, client in self._clients.items():
             is_expected = name in expected
-            is_fresh = t_s - client.reported_s <= STALE_S
+            is_fresh = t_s - client.reported_s <= self._stale_s
             if client.alive and (is_expected or (is_fresh and client.person_count)):
                 score = (client.view if is_fresh else 0.0) + (PRIOR if is_expected else 0.0)
                 if score > best_score:
@@ -215,9 +219,9 @@ class ActiveSensorSelector:
         next_s = math.inf
         for client in self._clients.values():
             if client.alive:
-                next_s = min(next_s, client.last_message_s + SILENCE_S)
-            if client.reported_s + STALE_S >= t_s:
-                next_s = min(next_s, client.reported_s + STALE_S)
+                next_s = min(next_s, client.last_message_s + self._silence_s)
+            if client.reported_s + self._stale_s >= t_s:
+                next_s = min(next_s, client.reported_s + self._stale_s)
 
         for changes_s in (self._starts_s, self._overlaps_s):
             index = bisect_right(changes_s, t_s)

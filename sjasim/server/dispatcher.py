@@ -43,7 +43,7 @@ class Dispatcher:
         timetable: headings of the iterations.
         layout: the robot's slot.
         robot: its cruise speed, acceleration and odometry rate.
-        heartbeat_hz: repetitions per second.
+        heartbeat_hz: repetitions per second; 0 for none.
 
     Attributes:
         next_due_s: session time at which `due_commands` or `due_timers` is to be called next [s]; infinite for never.
@@ -65,7 +65,7 @@ class Dispatcher:
         self._timers_s: list[float] = []
 
         self._current: MoveCommand | None = None
-        self._repeat_interval_s = 1.0 / heartbeat_hz
+        self._repeat_interval_s = 1.0 / heartbeat_hz if heartbeat_hz else math.inf
         self._repeat_due_s = math.inf
         self._pending_due_s = math.inf
 

@@ -73,6 +73,8 @@ class Server:
         timetable: session times of the iterations.
         layout: poses of the sensors, and initial positions of the dancers and the robot.
         config: configuration of the session, of which the network and the clap detection are used.
+        continuous: whether the clients report all the time. Without, the server exchanges no clocks, because device
+            times are session times, and sends no orders.
 
     Attributes:
         notices: problems so far: dead clients, clock jumps, links that lose packets, events of unknown persons, dancers
@@ -80,10 +82,10 @@ class Server:
         next_due_s: session time at which `due_messages` is to be called next [s].
     """
 
-    def __init__(self, timetable: Timetable, layout: Layout, config: SessionConfig) -> None:
+    def __init__(self, timetable: Timetable, layout: Layout, config: SessionConfig, *, continuous: bool = True) -> None:
         dancers = len(layout.dancers)
         cast = [dancer_name(index) for index in range(dancers)]
-        self._selector = ActiveSensorSelector(timetable, layout, dancers)
+        self._selector = ActiveSensorSelector(timetable, layout, dancers, continuous=continuous)
         self._identities = IdentityAssigner(cast, layout.dancers)
         self._attendance = AttendanceMonitor(cast, timetable)
         self._assistance = ClapAssistance(cast, timetable, config.detectors.side_clap_window_s)
@@ -91,6 +93,7 @@ class Server:
         self._clocks = {sensor: ClockSync() for sensor in self._selector.sensors}
         self._links = {sensor: LinkMonitor(sensor) for sensor in self._clocks}
 
+        self._continuous = continuous
         # Spread the requests to the clients over the interval, so that the exchanges do not delay one another.
         self._sync_interval_s = 1.0 / config.network.sync_hz
         count = len(self._clocks)
@@ -110,7 +113,7 @@ class Server:
         """(dancer, starting event) -> duration of the last such move [s]."""
 
         self.notices: list[Notice] = []
-        self.next_due_s = 0.0
+        self.next_due_s = 0.0 if continuous else self._attendance.next_due_s
 
     @property
     def active(self) -> str:
@@ -168,6 +171,9 @@ class Server:
         self.notices += self._selector.select(t_s)
         if self._attendance.next_due_s <= t_s:
             self.notices += self._attendance.check(t_s)
+        if not self._continuous:
+            self.next_due_s = self._attendance.next_due_s
+            return []
 
         messages: list[SyncRequest | ClientOrder] = []
         if self._next_sync_s <= t_s:
@@ -298,6 +304,8 @@ class Server:
 
     def _to_session_time(self, sensor: str, t_device_s: float, t_arrival_s: float) -> float:
         """Session time of a report [s], estimated from its arrival if the clock is unknown or has evidently jumped."""
+        if not self._continuous:
+            return t_device_s
         clock = self._clocks[sensor]
         if not clock.locked:
             return t_arrival_s

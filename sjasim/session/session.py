@@ -104,12 +104,12 @@ class Session:
             self._checked_method = CheckedMethod(config.method, self.method)
 
         self.context = method_context(config, self.timetable)
-        self.server = Server(self.timetable, self.layout, config)
-        self.dispatcher = Dispatcher(
-            self.context, self.timetable, self.layout, config.robot, config.network.heartbeat_hz
-        )
         world_factory = cast("Callable[..., World]", resolve("world", config.fidelity).factory)
         self.world = world_factory(config, self.timetable, self.layout, robot=has_robot)
+        continuous = self.world.continuous
+        self.server = Server(self.timetable, self.layout, config, continuous=continuous)
+        heartbeat_hz = config.network.heartbeat_hz if continuous else 0.0
+        self.dispatcher = Dispatcher(self.context, self.timetable, self.layout, config.robot, heartbeat_hz)
         # A stream of its own: a method's random draws change neither the dancers nor the noise of the sensors.
         if self._checked_method is not None:
             self._checked_method.reset(self.context, stream(config.seed, "anticipation", config.method))
@@ -269,7 +269,7 @@ class Session:
         if self.server.next_due_s > now:
             return
         # The server sends something several times a second, which is often enough for this check.
-        if self._checked_method is not None:
+        if self._checked_method is not None and self.world.continuous:
             self.dispatcher.check_robot_alive(now)
         for message in self.server.due_messages(now):
             self._links.send_down(now, message.sensor, message)

@@ -58,6 +58,9 @@ class World(Protocol):
     """Dancers, robot and sensors of one session.
 
     Attributes:
+        continuous: whether the devices report all the time: status, clocks, odometry. The devices of a world that is
+            not continuous send events and little else, with session time as their clock. The session then neither
+            exchanges clocks nor repeats orders and commands, and nobody counts as dead because of silence.
         active: name of the sensor whose skeletons and visibility are recorded; the session sets it.
         end_s: session time at which the dance is over [s].
         cues: what the dancers have planned so far.
@@ -66,6 +69,7 @@ class World(Protocol):
         watchers: functions that are called with the session time at every frame. They observe and change nothing.
     """
 
+    continuous: bool
     active: str
     end_s: float
     cues: list[Cue]

@@ -50,6 +50,7 @@ class PhysicsWorld:
         given_cues: cues of each dancer, in place of those that the human timing model decides.
 
     Attributes:
+        continuous: True; see `World`.
         physics: the simulation.
         anatomies: one for each dancer.
         reference: planned motion of the dancers.
@@ -65,6 +66,8 @@ class PhysicsWorld:
         cues: what the dancers planned so far.
         robot_events: what the robot did so far.
     """
+
+    continuous = True
 
     def __init__(
         self,
