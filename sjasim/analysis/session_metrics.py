@@ -17,7 +17,7 @@ import numpy as np
 
 from ..choreography.timetable import timetable
 from ..config.toml_file import from_plain
-from ..core import ROBOT, Array
+from ..core import ROBOT, Array, Cue
 from ..core.session_log import AgentEvent, Notice, SessionLog
 from .component_quality import (
     BodyQuality,
@@ -172,10 +172,12 @@ def measures(log: SessionLog) -> Measures:
     config = from_plain(log.config)
     table = timetable(config)
 
-    # Logged events are what the server knew; true events come from the ground truth.
+    # Logged events are what the server knew. True events come from the ground truth; in the event-level world, which has
+    # no bodies, plans and robot events are the truth.
     logged = logged_events(log)
-    true_onsets = dancer_events(log.truth, log.cues, table)
-    true = [*true_onsets, *robot_events(log.odometry, table)]
+    true_onsets = dancer_events(log.truth, log.cues, table) if log.truth else planned_events(log.cues)
+    true_robot = robot_events(log.odometry, table) if log.odometry else log.robot_events
+    true = [*true_onsets, *true_robot]
     rows = group_metrics(logged, config, table, log.followed)
     true_rows = group_metrics(true, config, table, log.followed)
     iterations = tuple(_measure_iteration(row, true_row, logged) for row, true_row in zip(rows, true_rows, strict=True))
@@ -210,6 +212,12 @@ def logged_events(log: SessionLog) -> list[AgentEvent]:
     return [*dancers, *log.robot_events]
 
 
+def planned_events(cues: Sequence[Cue]) -> list[AgentEvent]:
+    """Events of the dancers as they planned them, in order of time."""
+    events = [AgentEvent(cue.iteration, cue.dancer, kind, t_s) for cue in cues for kind, t_s in cue.events()]
+    return sorted(events, key=lambda event: (event.t_s, event.agent))
+
+
 def _measure_iteration(
     row: GroupSynchronyRow, true_row: GroupSynchronyRow, logged: Sequence[AgentEvent]
 ) -> IterationMeasures:
@@ -221,7 +229,8 @@ def _measure_iteration(
         index=row.iteration,
         gsi=row.gsi,
         gsi_full_edges=row.gsi_full_edges,
-        gsi_truth=true_row.gsi_full_edges,
+        # Without any true event, as in a real laboratory, there is no such figure.
+        gsi_truth=true_row.gsi_full_edges if np.isfinite(true_row.steps_s).any() else float("nan"),
         msp=row.msp,
         ta_mean_s=_mean(_finite_ta([row])),
         human_events=len(agents) - robot_count,

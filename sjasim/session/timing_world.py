@@ -182,7 +182,7 @@ class TimingWorld:
     def _decide(self) -> None:
         """Ask the dancers for their next cues, and add the events that the sensors detect of them."""
         for dancer, cues in enumerate(self._scheduler.decide(self.time_s, self.robot_events)):
-            for t_s, kind, early in self._events.detected(cues):
+            for t_s, kind, early in self._events.detected(dancer, cues):
                 self._add(t_s, self._detect, t_s, dancer, kind, early)
         if self._scheduler.due_s < math.inf:
             self._add(self._scheduler.due_s, self._decide)
@@ -229,11 +229,14 @@ class EventSampler:
         self._regular = regular
         self._early = early
         self._rng = rng
+        self._known_moves: set[tuple[int, Kind]] = set()
+        """(dancer, stop) of the moves that were detected in full."""
 
-    def detected(self, cues: Sequence[Cue]) -> list[tuple[float, Kind, bool]]:
+    def detected(self, dancer: int, cues: Sequence[Cue]) -> list[tuple[float, Kind, bool]]:
         """Session time, kind and earliness of the events that are detected of one dancer's cues.
 
-        A stop whose start was missed is missed as well, as in the detectors.
+        As in the detectors, a stop whose start was missed is missed as well, and an early stop needs an earlier move of
+        the same direction that was detected in full.
         """
         planned = [(kind, t_s) for cue in cues for kind, t_s in cue.events()]
         # Drawn together, and also for what is missed, so that one miss leaves the other draws as they are.
@@ -244,14 +247,18 @@ class EventSampler:
         for (kind, t_s), (miss, share, early_miss, early_share) in zip(planned, draws, strict=True):
             regular = self._regular[kind]
             is_stop = kind in STARTS
-            missed = miss < regular.missed or (is_stop and start_missed)
+            missed_start = is_stop and start_missed
+            missed = miss < regular.missed or missed_start
             start_missed = not is_stop and missed
             if not missed:
                 found.append((t_s + regular.delay_at(share), kind, False))
 
-            early = self._early.get(kind)
-            if early is not None and not (is_stop and missed) and early_miss >= early.missed:
-                found.append((t_s + early.delay_at(early_share), kind, True))
+            announced = self._early.get(kind)
+            is_possible = not is_stop or (not missed_start and (dancer, kind) in self._known_moves)
+            if announced is not None and is_possible and early_miss >= announced.missed:
+                found.append((t_s + announced.delay_at(early_share), kind, True))
+            if is_stop and not missed:
+                self._known_moves.add((dancer, kind))
         return found
 
     def false_events(self, until_s: float) -> list[tuple[float, Kind, bool]]:

@@ -91,12 +91,13 @@ def checked_configs(design: Design, common: SessionConfig) -> list[SessionConfig
 
 def characterise(configs: Sequence[SessionConfig]) -> dict[str, Any]:
     """Simulate the sessions, with a progress bar on stderr, and return the content of characterise.json."""
-    from ..analysis.accuracy import detection_accuracy, skeleton_accuracy
+    from ..analysis.accuracy import detection_accuracy, skeleton_accuracy, timing_delays
     from ..session.session import package_versions, run_session
 
     joints: list[skeleton_accuracy.JointObservation] = []
     outcomes: list[detection_accuracy.Outcome] = []
     executions: list[detection_accuracy.Execution] = []
+    delays: list[tuple[SessionConfig, list[timing_delays.DelayObservation], float]] = []
     minutes = dict.fromkeys((config.sensing for config in configs), 0.0)
 
     with progress_bar(Console(stderr=True)) as progress:
@@ -112,6 +113,7 @@ def characterise(configs: Sequence[SessionConfig]) -> dict[str, Any]:
             joints += skeleton_accuracy.joint_observations(log)
             outcomes += detection_accuracy.event_outcomes(log)
             executions += detection_accuracy.command_executions(log)
+            delays.append((config, timing_delays.delay_observations(log), log.cost["sim_s"]))
             minutes[config.sensing] += config.dancers * log.cost["sim_s"] / 60.0
 
     return {
@@ -125,6 +127,7 @@ def characterise(configs: Sequence[SessionConfig]) -> dict[str, Any]:
         "robot": detection_accuracy.robot_rows(executions),
         "quantiles": list(detection_accuracy.QUANTILES),
         "distributions": detection_accuracy.distributions(outcomes, minutes),
+        "timing": timing_delays.statistics_tables(delays),
     }
 
 
