@@ -80,6 +80,7 @@ def make_session_log(
     true_s = beats + np.asarray(late_s)[:, None, None] + spread_s * rng.standard_normal(shape)
     robot_s = true_s[0] + DETECTION_S + ROBOT_LAG_S
     events, device_events = make_events(true_s, plan)
+    commands = tuple(make_commands(robot_s, plan)) if robot else ()
 
     return SessionLog(
         config=to_plain(config),
@@ -87,8 +88,8 @@ def make_session_log(
         cues=tuple(make_cues(true_s, plan)),
         device_events=device_events,
         events=events,
-        commands=tuple(make_commands(robot_s, plan)) if robot else (),
-        decisions=(Decision(9.0, 1, 0, Kind.START_FORWARD, "send", 9.0, "dancer_1", "seen early"),),
+        commands=commands,
+        decisions=tuple(make_decisions(commands, plan)),
         robot_events=tuple(make_robot_events(robot_s, plan)) if robot else (),
         notices=(Notice(3.0, "west", "no message for 2.0 s"),),
         odometry=make_odometry(robot_s, plan) if robot else {},
@@ -149,6 +150,15 @@ def make_commands(robot_s, plan):
             number += 1
             move = MOVE.get(step.kind, Move.STOP)
             yield MoveCommand(number, move, robot_s[i, k] - ROBOT_LAG_S, 0.25, 0.0, i, k, "synthetic")
+
+
+def make_decisions(commands, plan):
+    """One decision per command: SIA answers the first dancer from iteration 2 on, other methods answer a schedule."""
+    for command in commands:
+        follows = plan.config.method == "sia" and command.iteration > 1
+        key = (command.iteration, command.ordinal, plan.steps[command.ordinal].kind)
+        person = "dancer_1" if follows else ""
+        yield Decision(command.t_start_s, *key, "sent", command.t_start_s, person, "seen" if follows else "scheduled")
 
 
 def make_robot_events(robot_s, plan):

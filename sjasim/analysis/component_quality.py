@@ -33,20 +33,27 @@ class DetectorQuality:
     """Logged against true events, matched one to one within `MATCH_WITHIN_S`.
 
     Attributes:
-        recall: share of the visible true events that were logged; NaN without any.
-        precision: share of the logged events that are true; NaN without any.
+        recall: share of the visible true events that were logged, ``detected_visible`` / ``visible``; NaN without any.
+            A stop is visible only if its start was, see `ground_truth_events.dancer_events`.
+        recall_all: share of all true events that were logged, ``detected`` / ``true``; NaN without any.
+        precision: share of the logged events that are true, ``detected`` / ``logged``; NaN without any.
         timing_p95_s: 95th percentile of |logged - true time| [s].
         timing_bias_s: mean of logged - true time [s].
+        detected_visible: number of visible true events that were logged.
         visible: number of visible true events.
+        detected: number of true events that were logged.
         true: number of true events.
         logged: number of logged regular events.
     """
 
     recall: float
+    recall_all: float
     precision: float
     timing_p95_s: float
     timing_bias_s: float
+    detected_visible: int
     visible: int
+    detected: int
     true: int
     logged: int
 
@@ -107,7 +114,7 @@ def detector_quality(logged: Sequence[Event], true: Sequence[AgentEvent]) -> Det
     """
     regular = [event for event in logged if not event.early]
     errors: list[Array] = []
-    recalled = 0
+    detected_visible = 0
 
     # An event matches only one of the same dancer and kind.
     for agent, kind in sorted({(event.agent, event.kind) for event in true}):
@@ -115,16 +122,19 @@ def detector_quality(logged: Sequence[Event], true: Sequence[AgentEvent]) -> Det
         logged_s = np.array([event.t_s for event in regular if (event.person, event.kind) == (agent, kind)])
         rows, columns = match_times(logged_s, np.array([event.t_s for event in true_events]), MATCH_WITHIN_S)
         errors.append(logged_s[rows] - np.array([true_events[column].t_s for column in columns]))
-        recalled += sum(true_events[column].visible for column in columns)
+        detected_visible += sum(true_events[column].visible for column in columns)
 
     error = np.concatenate(errors) if errors else np.zeros(0)
     visible = sum(event.visible for event in true)
     return DetectorQuality(
-        recall=_share(recalled, visible),
+        recall=_share(detected_visible, visible),
+        recall_all=_share(len(error), len(true)),
         precision=_share(len(error), len(regular)),
         timing_p95_s=_p95(error),
         timing_bias_s=_mean(error),
+        detected_visible=detected_visible,
         visible=visible,
+        detected=len(error),
         true=len(true),
         logged=len(regular),
     )

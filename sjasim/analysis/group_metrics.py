@@ -15,11 +15,11 @@ import numpy as np
 
 from ..anticipation.coincidences import Series
 from ..anticipation.synchrony import GroupSynchrony, group_index, most_synchronous
-from ..anticipation.timing_appropriateness import match_to_steps, timing_appropriateness
+from ..anticipation.timing_appropriateness import lateness, match_to_steps
 from ..choreography.timetable import Timetable
 from ..config import SessionConfig
 from ..core import ROBOT, Array, dancer_name
-from ..core.session_log import AgentEvent, Followed
+from ..core.session_log import AgentEvent, Decision, Followed
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,10 +32,12 @@ class GroupSynchronyRow:
         gsi: group synchronisation index of that graph.
         gsi_full_edges: the index under all edges; it does not depend on the method, and so compares methods fairly.
         msp: the most synchronous person of this iteration.
-        follows: the dancer whom the robot followed in this iteration; "" if it followed nobody, or several dancers.
+        followed: the dancers whom the robot followed in this iteration; all of them for a method that uses everyone's
+            events, and none without a robot.
         steps_s: (A, K) time of each step by each agent, dancers first, since the iteration's beat 0 [s]; NaN where an
             agent has no event for the step.
-        ta_s: (K,) timing appropriateness of each step [s]; NaN where undefined. Empty without a robot.
+        late_s: (K,) time of each of the robot's steps minus the dancers' mean [s]; NaN where undefined. Empty without a
+            robot.
     """
 
     iteration: int
@@ -43,9 +45,22 @@ class GroupSynchronyRow:
     gsi: float
     gsi_full_edges: float
     msp: str
-    follows: str
+    followed: tuple[str, ...]
     steps_s: Array
-    ta_s: Array
+    late_s: Array
+
+    @property
+    def ta_s(self) -> Array:
+        """(K,) timing appropriateness of each step: the absolute value of ``late_s`` [s].
+
+        Source: iqbal2016, section VI-B.
+        """
+        return np.abs(self.late_s)
+
+    @property
+    def follows(self) -> str:
+        """The dancer whom the robot followed; "" if it followed nobody, or several dancers."""
+        return self.followed[0] if len(self.followed) == 1 else ""
 
 
 def group_metrics(
@@ -87,23 +102,45 @@ def group_metrics(
     return rows
 
 
-def net_latencies(rows: Sequence[GroupSynchronyRow], timetable: Timetable) -> dict[str, Array]:
-    """Times of the robot's events minus those of the followed dancer, by event kind [s].
+def net_latencies(
+    rows: Sequence[GroupSynchronyRow], timetable: Timetable, decisions: Sequence[Decision]
+) -> dict[str, Array]:
+    """Net latencies of all steps by event kind [s]; kinds without any are left out.
 
-    Only iterations in which the robot follows one dancer count; kinds without any pair of events are left out.
+    Args:
+        rows: from `group_metrics`.
+        timetable: gives the steps of an iteration.
+        decisions: the decision log.
     """
     steps = timetable.choreography.steps()
     latencies: dict[str, list[float]] = {step.kind.value: [] for step in steps}
 
     for row in rows:
-        if not row.follows:
-            continue
-        followed_s = row.steps_s[int(row.follows.rpartition("_")[2]) - 1]
-        for step, latency in zip(steps, row.steps_s[-1] - followed_s, strict=True):
-            if np.isfinite(latency):
-                latencies[step.kind.value].append(float(latency))
+        for step, latency_s in zip(steps, step_latencies(row, decisions), strict=True):
+            if np.isfinite(latency_s):
+                latencies[step.kind.value].append(float(latency_s))
 
     return {kind: np.array(values) for kind, values in latencies.items() if values}
+
+
+def step_latencies(row: GroupSynchronyRow, decisions: Sequence[Decision]) -> Array:
+    """Net latency of each step: time of the robot's event minus that of the dancer whose event triggered it.
+
+    A step that a schedule triggered followed nobody, even while the robot follows a dancer, and has no net latency.
+
+    Args:
+        row: of one iteration, from `group_metrics`.
+        decisions: the decision log, which names the dancer whose event led to the command of each step.
+
+    Returns:
+        (K,) net latencies [s]; NaN where the step followed nobody, or one of both events is missing.
+    """
+    latencies_s = np.full(row.steps_s.shape[1], np.nan)
+    for item in decisions:
+        if item.action == "sent" and item.iteration == row.iteration and item.person in row.graph.agents:
+            followed_s = row.steps_s[row.graph.agents.index(item.person)]
+            latencies_s[item.ordinal] = row.steps_s[-1, item.ordinal] - followed_s[item.ordinal]
+    return latencies_s
 
 
 def _measure_iteration(
@@ -122,15 +159,16 @@ def _measure_iteration(
 
     steps_s = _step_times(series, timetable, iteration)
     has_robot = config.method != "none"
+    dancers = [agent for agent in series if agent != ROBOT]
     return GroupSynchronyRow(
         iteration=iteration,
         graph=paper,
         gsi=paper.gsi,
         gsi_full_edges=full.gsi,
         msp=msp,
-        follows=follows[0] if follows is not None and len(follows) == 1 else "",
+        followed=tuple(dancers if follows is None else follows) if has_robot else (),
         steps_s=steps_s,
-        ta_s=timing_appropriateness(steps_s[-1], steps_s[:-1]) if has_robot else np.zeros(0),
+        late_s=lateness(steps_s[-1], steps_s[:-1]) if has_robot else np.zeros(0),
     )
 
 

@@ -41,11 +41,8 @@ SCHEMA = 2
 CONFIG_KEYS = ("method", "seed", "fidelity", "sensing", "humans")
 """Keys of the configuration that session.json repeats at its top level."""
 
-INDEX_KEYS = ("gsi", "gsi_full_edges", "gsi_truth", "ta_mean_s", "ta_truth_mean_s")
+INDEX_KEYS = ("gsi", "gsi_full_edges", "gsi_truth", "ta_mean_s", "ta_truth_mean_s", "late_mean_s")
 """Fields of `Measures` that session.json holds as they are."""
-
-COST_KEYS = ("sim_s", "cpu_s", "wall_s")
-"""Keys of the log's cost that session.json holds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +55,13 @@ class IterationMeasures:
         gsi_full_edges: the index from logged times, under all edges.
         gsi_truth: the index from true onsets, under all edges. Its difference from ``gsi_full_edges`` is the effect of
             detection.
-        msp: the most synchronous person.
-        ta_mean_s: mean timing appropriateness [s]; NaN without a robot.
+        msp: the most synchronous person of this iteration; SIA follows it in the next one.
+        followed: the dancers whom the robot followed in this iteration; all of them for a method that uses everyone's
+            events, and none without a robot.
+        late_mean_s: mean time of the robot's steps behind the dancers' mean, negative for early [s]; NaN without a
+            robot.
+        ta_mean_s: mean timing appropriateness, which is the absolute value of the same difference [s]; NaN without a
+            robot.
         human_events: number of the dancers' logged regular events.
         robot_events: number of the robot's events.
         robot_missed: number of steps that the robot did not perform.
@@ -70,6 +72,8 @@ class IterationMeasures:
     gsi_full_edges: float
     gsi_truth: float
     msp: str
+    followed: tuple[str, ...]
+    late_mean_s: float
     ta_mean_s: float
     human_events: int
     robot_events: int
@@ -105,13 +109,14 @@ class Measures:
         ta_s: every value of timing appropriateness, in order of iteration and step [s].
         ta_mean_s: their mean [s].
         ta_truth_mean_s: mean timing appropriateness from true onsets of dancers and robot [s].
-        net_latency_s: event kind -> net latency, over iterations in which the robot follows one dancer.
+        late_mean_s: mean time of the robot's steps behind the dancers' mean, negative for early [s].
+        net_latency_s: event kind -> net latency, over the steps that an event of a dancer triggered.
         detector: logged against true events.
         clocks: sensor -> clock error.
         robot: executed commands, and pose at the end.
         bodies: balance support, load and falls.
         notices: failures that the session reported.
-        cost: ``sim_s``, ``cpu_s``, ``wall_s``.
+        cost: simulated time ``sim_s``, CPU time ``cpu_s`` and elapsed time ``wall_s`` [s].
     """
 
     config: Mapping[str, object]
@@ -123,6 +128,7 @@ class Measures:
     ta_s: tuple[float, ...]
     ta_mean_s: float
     ta_truth_mean_s: float
+    late_mean_s: float
     net_latency_s: Mapping[str, Latency]
     detector: DetectorQuality
     clocks: Mapping[str, ClockQuality]
@@ -152,7 +158,7 @@ class Measures:
             "robot": {**dataclasses.asdict(self.robot), "missed": self.robot_missed},
             **dataclasses.asdict(self.bodies),
             "notices": [dataclasses.asdict(notice) for notice in self.notices],
-            **{name: self.cost[name] for name in COST_KEYS if name in self.cost},
+            "cost": dict(self.cost),
         }
 
         plain = _without_nan(content)
@@ -194,7 +200,8 @@ def measures(log: SessionLog) -> Measures:
         ta_s=tuple(ta_s),
         ta_mean_s=_mean(ta_s),
         ta_truth_mean_s=_mean(_finite_ta(true_rows)),
-        net_latency_s={kind: _latency(values) for kind, values in net_latencies(rows, table).items()},
+        late_mean_s=_mean(np.concatenate([_finite(row.late_s) for row in rows])),
+        net_latency_s={kind: _latency(values) for kind, values in net_latencies(rows, table, log.decisions).items()},
         detector=detector_quality(log.events, true_onsets),
         clocks=clock_quality(clock_errors(log.events, sent_s)),
         robot=robot_quality(log.commands, log.robot_events, log.odometry, config, table),
@@ -232,6 +239,8 @@ def _measure_iteration(
         # Without any true event, as in a real laboratory, there is no such figure.
         gsi_truth=true_row.gsi_full_edges if np.isfinite(true_row.steps_s).any() else float("nan"),
         msp=row.msp,
+        followed=row.followed,
+        late_mean_s=_mean(_finite(row.late_s)),
         ta_mean_s=_mean(_finite_ta([row])),
         human_events=len(agents) - robot_count,
         robot_events=robot_count,
@@ -254,10 +263,15 @@ def _iteration_dict(iteration: IterationMeasures) -> dict[str, object]:
 
 def _finite_ta(rows: Sequence[GroupSynchronyRow]) -> list[float]:
     """Defined values of timing appropriateness, in order [s]."""
-    return [float(value) for row in rows for value in row.ta_s if np.isfinite(value)]
+    return [float(value) for row in rows for value in _finite(row.ta_s)]
 
 
-def _mean(values: Sequence[float]) -> float:
+def _finite(values: Array) -> Array:
+    """The values that are finite."""
+    return values[np.isfinite(values)]
+
+
+def _mean(values: Sequence[float] | Array) -> float:
     """Mean; NaN without values."""
     return float(np.mean(values)) if len(values) else float("nan")
 

@@ -272,16 +272,22 @@ class Sia(ScheduledMethod):
     def _fallback_commands(self, iteration: int) -> tuple[ScheduleCommand, ...]:
         """One command for each step at the end of its window, or at its predicted time if that is later."""
         iteration_end_s = self._context.window_end_s[iteration] - self._start_s
-        why = f"fallback: no event within {self._config.window_s:g} s of the time expected of {self._leader_note}"
         return tuple(
             replace(
                 command,
                 t_s=self._start_s + min(max(end_s, command.t_s - self._start_s), iteration_end_s),
-                why=why,
+                why=self._fallback_reason(command.ordinal),
                 last_resort=True,
             )
             for command, end_s in zip(self._predicted, self._window_end_s.tolist(), strict=True)
         )
+
+    def _fallback_reason(self, step: int) -> str:
+        """Reason of the fallback of a step; windows end at different times after the expected event."""
+        wait_s = float(self._window_end_s[step] - self._expected_s[step])
+        kind = self._context.steps[step].kind.value
+        side = "after" if wait_s >= 0 else "before"
+        return f"fallback: no {kind} of {self._leader_note} until {abs(wait_s):.1f} s {side} its expected time"
 
     def _complete_phrase(self, start: int, t_s: float) -> tuple[ScheduleCommand, ...]:
         """Return the commands for the rest of a phrase whose start was sent as a fallback.

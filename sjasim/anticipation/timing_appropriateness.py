@@ -110,8 +110,10 @@ def ideal_times(dancers_s: Array, epsilon_s: float = EPSILON_S, min_members: int
     return ideal_s
 
 
-def timing_appropriateness(robot_s: Array, dancers_s: Array, epsilon_s: float = EPSILON_S) -> Array:
-    """Compute the timing appropriateness (TA) of every step: the robot's distance from the dancers' mean time.
+def lateness(robot_s: Array, dancers_s: Array, epsilon_s: float = EPSILON_S) -> Array:
+    """Compute how late the robot is in every step: its time minus the dancers' mean time.
+
+    The absolute value is the timing appropriateness (TA) of the step.
 
     Args:
         robot_s: (K,) the robot's time of each step [s], NaN where it did not perform it.
@@ -119,9 +121,8 @@ def timing_appropriateness(robot_s: Array, dancers_s: Array, epsilon_s: float = 
         epsilon_s: see `main_cluster` [s].
 
     Returns:
-        (K,) absolute differences [s]; NaN where the robot or all dancers missed the step.
+        (K,) differences, negative where the robot is early [s]; NaN where the robot or all dancers missed the step.
 
-    Source: iqbal2016, section VI-B.
+    Source: iqbal2016, section VI-B, which takes the absolute value.
     """
-    robot = np.asarray(robot_s, dtype=np.float64)
-    return np.asarray(np.abs(robot - ideal_times(dancers_s, epsilon_s)))
+    return np.asarray(robot_s, dtype=np.float64) - ideal_times(dancers_s, epsilon_s)

@@ -21,7 +21,7 @@ In version 1, the configuration has the former names of its fields.
 """
 
 COST_KEYS = ("sim_s", "cpu_s", "wall_s")
-"""Keys of a log's cost that session.json keeps."""
+"""Keys of the cost that earlier session.json files have at their top level."""
 
 
 def write(
@@ -97,12 +97,12 @@ def read(folder: str | Path) -> SessionLog:
         followed=tuple(rows["followed"][0]),
         odometry=columns["odometry"],
         truth=columns["truth"],
-        cost={name: summary[name] for name in COST_KEYS if name in summary},
+        cost=summary["cost"],
     )
 
 
 def read_summary(folder: str | Path) -> dict[str, Any]:
-    """Read the session.json of a folder, with the present names of the configuration's fields.
+    """Read the session.json of a folder, with the present names of its keys and of the configuration's fields.
 
     Args:
         folder: a session's folder.
@@ -125,6 +125,8 @@ def read_summary(folder: str | Path) -> dict[str, Any]:
         raise RecordError(f"{path} lacks config or versions")
 
     summary["config"], _ = with_present_names(summary["config"])
+    former_cost = {name: summary.pop(name) for name in COST_KEYS if name in summary}
+    summary.setdefault("cost", former_cost)
     return summary
 
 

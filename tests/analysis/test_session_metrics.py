@@ -40,6 +40,7 @@ def test_net_latencies_are_those_behind_the_followed_dancer(result):
     assert [(row.human_events, row.robot_events) for row in result.iterations] == [(27, 9)] * 3
     assert sum(latency.n for latency in result.net_latency_s.values()) == 2 * 9
     assert {row.msp for row in result.iterations} == {"dancer_1"}
+    assert [row.followed for row in result.iterations] == [(), ("dancer_1",), ("dancer_1",)]
     means = [latency.mean for latency in result.net_latency_s.values()]
     assert means == pytest.approx([ROBOT_LAG_S - CLOCK_ERROR_S] * 5)
 
@@ -66,7 +67,7 @@ def test_the_index_from_true_onsets_has_all_edges(make_session_log):
 
 def test_timing_appropriateness_is_the_robots_distance_from_the_dancers_mean(make_session_log):
     result = measures(make_session_log(spread_s=0.0, joints=False))
-    assert result.ta_mean_s == pytest.approx(ROBOT_LAG_S - CLOCK_ERROR_S)
+    assert result.ta_mean_s == result.late_mean_s == pytest.approx(ROBOT_LAG_S - CLOCK_ERROR_S)
     assert len(result.ta_s) == 2 * 9
     assert result.ta_truth_mean_s == pytest.approx(ROBOT_LAG_S + DETECTION_S, abs=0.02)
 
@@ -101,8 +102,12 @@ def test_invisible_events_do_not_count_against_recall(log):
         (truth["dancer"] == 0) & (abs(truth["t_s"] - onset_s) < 0.1), 0.0, truth["spine_seen"]
     )
     result = measures(dataclasses.replace(log, truth=truth, events=log.events[1:]))
-    assert result.detector.recall == 1.0
-    assert result.detector.visible == result.detector.true - 2  # the stop of an invisible start is invisible too
+    found = result.detector
+    assert found.recall == 1.0
+    assert found.visible == found.true - 2  # the stop of an invisible start is invisible too
+    # One start was not logged; its stop was, although it counts as invisible.
+    assert (found.detected_visible, found.detected, found.logged) == (found.visible, found.true - 1, found.true - 1)
+    assert found.recall_all == pytest.approx((found.true - 1) / found.true)
 
 
 def test_falls_are_counted_once(log):
@@ -127,10 +132,11 @@ def test_session_json_has_the_documented_keys_and_no_nan(result):
     public = {
         "schema", "method", "seed", "fidelity", "sensing", "humans", "config", "versions", "iterations", "gsi",
         "gsi_full_edges", "gsi_truth", "ta_mean_s", "ta_truth_mean_s", "ta_s", "net_latency_s", "detector",
-        "tether_rms_n", "falls", "sim_s", "cpu_s", "wall_s",
+        "tether_rms_n", "falls", "cost",
     }  # fmt: skip
     assert public <= set(plain)
-    keys = {"index", "gsi", "gsi_full_edges", "gsi_truth", "msp", "ta_mean_s", "events", "robot_missed"}
-    assert keys == set(plain["iterations"][0])
+    keys = {"index", "gsi", "gsi_full_edges", "gsi_truth", "msp", "followed", "late_mean_s", "ta_mean_s"}
+    assert keys | {"events", "robot_missed"} == set(plain["iterations"][0])
     assert set(plain["iterations"][0]["events"]) == {"humans", "robot"}
-    assert {"recall", "precision", "timing_p95_s"} <= set(plain["detector"])
+    assert {"recall", "recall_all", "precision", "timing_p95_s"} <= set(plain["detector"])
+    assert set(plain["cost"]) == {"sim_s", "cpu_s", "wall_s"}

@@ -125,6 +125,26 @@ def test_without_events_of_the_leader_the_fallback_comes_at_the_end_of_the_windo
     assert following.after(2)[:8] == pytest.approx(latest[:8])
 
 
+def test_the_reason_of_a_fallback_says_how_long_its_own_window_was(following):
+    reasons = [following.plan[2, step].why for step in range(9)]
+    assert reasons[0] == (
+        "fallback: no start_forward of dancer_1, most synchronous in iteration 1 (tie with dancer_2) "
+        "until 2.0 s after its expected time"
+    )
+    # The turn's window ends 1 s after its scheduled time: dancer_1 is .22 s ahead of the mean, the robot leads by .15.
+    assert "no clap of dancer_1" in reasons[8]
+    assert reasons[8].endswith("until 1.1 s after its expected time")
+
+
+def test_a_window_that_ends_before_the_expected_time_says_so(story):
+    """The leader's last clap was late: the turn is scheduled at the mean, .15 s early, and waits for no clap."""
+    offsets = TOGETHER | {"dancer_1": np.array([0.0] * 8 + [0.9])}
+    played = story.Story("sia", clap_wait_s=0.0).play(0, TOGETHER).play(1, offsets)
+    played.begin(2)
+    assert played.method.follows(2) == ("dancer_1",)
+    assert played.plan[2, 8].why.endswith("until 0.5 s before its expected time")
+
+
 def test_a_turn_without_a_clap_waits_a_second_past_its_schedule(following, story):
     scheduled = story.nominal[8] + (0.05 + 0.6) / 3 - LEAD_S
     assert following.after(2)[8] == pytest.approx(scheduled + 1.0)

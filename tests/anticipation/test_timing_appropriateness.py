@@ -5,9 +5,9 @@ import pytest
 
 from sjasim.anticipation.timing_appropriateness import (
     ideal_times,
+    lateness,
     main_cluster,
     match_to_steps,
-    timing_appropriateness,
 )
 from sjasim.choreography.paper import paper
 from sjasim.core import Kind
@@ -59,4 +59,4 @@ def test_ideal_is_the_mean_of_those_together():
     assert ideal_times(dancers) == pytest.approx([1.1, 4.0, NAN], nan_ok=True)
     assert ideal_times(dancers, min_members=2) == pytest.approx([1.1, NAN, NAN], nan_ok=True)
     robot = np.array([0.6, NAN, 7.0])
-    assert timing_appropriateness(robot, dancers) == pytest.approx([0.5, NAN, NAN], nan_ok=True)
+    assert lateness(robot, dancers) == pytest.approx([-0.5, NAN, NAN], nan_ok=True)

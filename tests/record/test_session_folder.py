@@ -134,6 +134,17 @@ def test_an_unknown_kind_names_file_row_and_column(written, tmp_path):
         session_folder.read(damaged(written, tmp_path, "events.parquet", with_unknown_kind))
 
 
+def test_costs_are_read_from_their_former_places_too(log, written, tmp_path):
+    folder = damaged(written, tmp_path, "session.json", Path.read_bytes)
+    summary = json.loads((folder / "session.json").read_text(encoding="utf-8"))
+    cost = summary.pop("cost")
+    assert cost == log.cost
+    (folder / "session.json").write_text(json.dumps({**summary, **cost}), encoding="utf-8")
+
+    assert session_folder.read(folder).cost == log.cost
+    assert session_folder.read_summary(folder) == {**summary, "cost": cost}
+
+
 def test_a_session_json_of_version_1_is_read_with_present_names(written, tmp_path, recwarn):
     folder = damaged(written, tmp_path, "session.json", Path.read_bytes)
     summary = json.loads((folder / "session.json").read_text(encoding="utf-8"))

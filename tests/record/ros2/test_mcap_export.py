@@ -13,7 +13,7 @@ highlevel = pytest.importorskip("rosbags.highlevel")
 
 @pytest.fixture(scope="module")
 def log(make_session_log):
-    return make_session_log(iterations=1)
+    return make_session_log(iterations=2)
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,8 @@ def test_events_and_decisions_equal_the_tables(messages, log):
     events = [json.loads(content.data) for _, content in messages["/events"]]
     assert sorted(item["t_s"] for item in events if item["agent"] != "robot") == sorted(e.t_s for e in log.events)
     assert [item["t_s"] for item in events if item["agent"] == "robot"] == [e.t_s for e in log.robot_events]
-    assert json.loads(messages["/decisions"][0][1].data)["person"] == "dancer_1"
+    persons = [json.loads(content.data)["person"] for _, content in messages["/decisions"]]
+    assert persons == [item.person for item in log.decisions]
 
 
 def test_skeletons_transforms_and_commands_are_written(messages, log):
