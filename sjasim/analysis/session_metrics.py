@@ -9,7 +9,6 @@ detectors, clocks, robot and bodies from `component_quality`.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -34,6 +33,7 @@ from .component_quality import (
 )
 from .ground_truth_events import dancer_events, robot_events
 from .group_metrics import GroupSynchronyRow, group_metrics, net_latencies
+from .json_data import without_nan
 
 SCHEMA = 2
 """Version of session.json."""
@@ -161,7 +161,7 @@ class Measures:
             "cost": dict(self.cost),
         }
 
-        plain = _without_nan(content)
+        plain = without_nan(content)
         assert isinstance(plain, dict)
         return plain
 
@@ -274,14 +274,3 @@ def _finite(values: Array) -> Array:
 def _mean(values: Sequence[float] | Array) -> float:
     """Mean; NaN without values."""
     return float(np.mean(values)) if len(values) else float("nan")
-
-
-def _without_nan(value: object) -> object:
-    """The same plain data with None for numbers that JSON does not have."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, Mapping):
-        return {key: _without_nan(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_without_nan(item) for item in value]
-    return value
