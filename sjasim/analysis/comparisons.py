@@ -11,7 +11,6 @@ from itertools import combinations
 
 import numpy as np
 
-from ..core import Array
 from .paired_intervals import mean_interval, rank_biserial, sign_flip_interval, standardised_difference
 from .paired_tests import adjust_p, sign_flip_p, smallest_p
 from .study_tables import FACTOR_PREFIX, StudyTables
@@ -99,6 +98,6 @@ def _pairs(tables: StudyTables, conditions: Iterable[str]) -> list[Pair]:
 def _levels(tables: StudyTables) -> Mapping[str, tuple[object, ...]]:
     """Condition -> its method and the levels of its factors."""
     sessions = tables.sessions
-    columns: list[Array] = [sessions["method"]]
+    columns = [sessions["method"]]
     columns += [sessions[name] for name in sorted(sessions) if name.startswith(FACTOR_PREFIX)]
     return dict(zip(map(str, sessions["condition"]), zip(*columns, strict=True), strict=True))

@@ -15,6 +15,9 @@ RESAMPLES = 9999
 MIN_GROUPS = 3
 """Smallest number of groups for which an interval is given."""
 
+QUADRATURE_NODES = 64
+"""Number of nodes over which the noncentral t distribution is integrated."""
+
 CLOSEST = 1e-12
 """Spread of a bootstrap sample, relative to that of the data, at which it counts as constant."""
 
@@ -111,7 +114,7 @@ def standardised_difference(differences: Array, confidence: float = 0.95) -> Int
             differences.
     """
     from scipy.optimize import brentq
-    from scipy.stats import nct
+    from scipy.special import gammaincinv, ndtr
 
     count = len(differences)
     sd = float(np.std(differences, ddof=1)) if count >= MIN_GROUPS else 0.0
@@ -120,10 +123,16 @@ def standardised_difference(differences: Array, confidence: float = 0.95) -> Int
     root = float(np.sqrt(count))
     t = float(np.mean(differences)) / sd * root
 
+    # The noncentral t distribution is integrated over the sample variance; scipy.stats.nct returns NaN for some values.
+    nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE_NODES)
+    half = 0.5 * (count - 1)
+    scaled_t = t * np.sqrt(gammaincinv(half, 0.5 * (nodes + 1.0)) / half)
+
     def noncentrality(probability: float) -> float:
         """Noncentrality under which a t of at most the observed one has this probability."""
-        reach = 10.0 + 2.0 * abs(t)
-        return float(brentq(lambda delta: nct.cdf(t, count - 1, delta) - probability, t - reach, t + reach))
+        reach = 10.0 + 4.0 * abs(t)
+        excess = lambda delta: 0.5 * float(weights @ ndtr(scaled_t - delta)) - probability  # noqa: E731
+        return float(brentq(excess, t - reach, t + reach))
 
     tail = 0.5 * (1.0 - confidence)
     return Interval(t / root, noncentrality(1.0 - tail) / root, noncentrality(tail) / root)

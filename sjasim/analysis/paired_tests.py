@@ -94,7 +94,7 @@ def sign_patterns(groups: int, rng: np.random.Generator, flips: int = RANDOM_FLI
     """
     if groups <= EXACT_UP_TO:
         bits = np.arange(2 ** max(groups - 1, 0))[:, None] >> np.arange(groups) & 1
-        return 1.0 - 2.0 * bits, True
+        return np.asarray(1.0 - 2.0 * bits, dtype=np.float64), True
     return rng.choice(np.array([-1.0, 1.0]), size=(flips, groups)), False
 
 

@@ -63,14 +63,14 @@ def _by_study(values: PairedValues, condition: str) -> Array:
     size = int(study.max()) + 1 if len(study) else 0
     counts = np.bincount(study[finite], minlength=size)
     sums = np.bincount(study[finite], column[finite], minlength=size)
-    return np.divide(sums, counts, out=np.full(size, np.nan), where=counts > 0)
+    return np.asarray(np.divide(sums, counts, out=np.full(size, np.nan), where=counts > 0))
 
 
 def _wins(values: PairedValues) -> Array:
     """Number of units of each study in which the second condition has the higher value."""
     difference = values.values[:, 1] - values.values[:, 0]
     _, study = np.unique(values.units[:, 0], return_inverse=True)
-    return np.bincount(study, np.where(difference > EQUAL_MEANS, 1.0, 0.0))
+    return np.asarray(np.bincount(study, np.where(difference > EQUAL_MEANS, 1.0, 0.0)), dtype=np.float64)
 
 
 def _z(steps: PairedValues) -> Array:

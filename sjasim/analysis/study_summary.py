@@ -98,9 +98,7 @@ def study_summary(
     return plain
 
 
-def synchrony_figures(
-    tables: StudyTables, index: str, condition: str, rng: np.random.Generator
-) -> dict[str, object]:
+def synchrony_figures(tables: StudyTables, index: str, condition: str, rng: np.random.Generator) -> dict[str, object]:
     """Summarise a synchronisation index of one condition over groups and iterations.
 
     Args:

@@ -10,13 +10,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..config import HUMANS_ONLY
 from ..core import Array, BoolArray, IntArray
 from ..core.errors import ConfigError
 from .study_tables import Columns, StudyTables
 
-HUMANS_ONLY = "none"
-"""Method of a session without a robot."""
+Column = NDArray[np.generic]
+"""Values of a column of a table, of any type."""
 
 MEASURES: Mapping[str, str] = {
     "gsi": "group synchronisation index under the paper's edges",
@@ -144,7 +146,7 @@ def _rows(table: Columns, wanted: BoolArray) -> Columns:
     return {name: values[wanted] for name, values in table.items()}
 
 
-def _paired(units: IntArray, names: Array, values: Array, conditions: Sequence[str]) -> PairedValues:
+def _paired(units: Column, names: Column, values: Column, conditions: Sequence[str]) -> PairedValues:
     """Arrange (N,) values by unit and condition; rows of other conditions are left out."""
     code_of = {name: code for code, name in enumerate(conditions)}
     codes = np.array([code_of.get(str(name), -1) for name in names], dtype=np.int64)

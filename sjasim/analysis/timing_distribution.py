@@ -7,13 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..assets.published_study import TA_BIN_S, TA_LAST_EDGE_S
 from ..core import Array
-
-BIN_S = 0.1
-"""Width of a bin [s] (iqbal2016: .1 s)."""
-
-END_S = 2.5
-"""End of the last bin [s] (iqbal2016: 2.5 s). Later values are counted as overflow."""
 
 LIMITS_S = (0.8, 1.2, 1.6)
 """Limits for which the paper gives the share of events [s]."""
@@ -21,7 +16,7 @@ LIMITS_S = (0.8, 1.2, 1.6)
 
 def bin_edges() -> Array:
     """Return the (26,) edges of the paper's bins [s]."""
-    return np.round(np.arange(round(END_S / BIN_S) + 1) * BIN_S, 10)
+    return np.round(np.arange(round(TA_LAST_EDGE_S / TA_BIN_S) + 1) * TA_BIN_S, 10)
 
 
 def timing_histogram(ta_s: Array) -> dict[str, object]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from sjasim.analysis.study_tables import COLUMNS, StudyTables
 from sjasim.anticipation.synchrony import group_index, most_synchronous
+from sjasim.assets.published_study import GSI
 
 KINDS = ("start_forward", "stop_forward", "start_backward", "stop_backward") * 2 + ("clap",)
 """Kinds of the nine steps of an iteration."""
@@ -13,37 +14,11 @@ KINDS = ("start_forward", "stop_forward", "start_backward", "stop_backward") * 2
 STEP_S = 2.0
 """Time between two steps [s]."""
 
-PAPER_ECA = (
-    (0.39, 0.30, 0.15, 0.33),
-    (0.28, 0.39, 0.63, 0.54),
-    (0.37, 0.48, 0.59, 0.37),
-    (0.30, 0.37, 0.37, 0.28),
-    (0.31, 0.39, 0.52, 0.30),
-    (0.50, 0.41, 0.40, 0.33),
-    (0.41, 0.42, 0.35, 0.52),
-    (0.78, 0.40, 0.41, 0.41),
-    (0.56, 0.35, 0.42, 0.46),
-)
-"""Group synchronisation index by group and iteration under ECA. Source: iqbal2016, Table I."""
-
-PAPER_SIA = (
-    (0.40, 0.26, 0.63, 0.52),
-    (0.66, 0.37, 0.51, 0.71),
-    (0.40, 0.52, 0.62, 0.55),
-    (0.20, 0.38, 0.30, 0.28),
-    (0.24, 0.44, 0.59, 0.46),
-    (0.43, 0.45, 0.32, 0.46),
-    (0.25, 0.29, 0.66, 0.68),
-    (0.32, 0.48, 0.72, 0.56),
-    (0.35, 0.34, 0.46, 0.59),
-)
-"""The same under SIA."""
-
 
 def paper_table() -> StudyTables:
     """The paper's Table I as a study, without steps and events."""
     rows = {"sessions": [], "iterations": []}
-    for group, cells in enumerate(zip(PAPER_ECA, PAPER_SIA, strict=True), start=1):
+    for group, cells in enumerate(zip(GSI["eca"], GSI["sia"], strict=True), start=1):
         for order, (method, values) in enumerate(zip(("eca", "sia"), cells, strict=True), start=1):
             number = len(rows["sessions"])
             rows["sessions"].append(session_row(number, 0, group, order, method, np.mean(values)))
@@ -74,7 +49,7 @@ def as_tables(rows) -> StudyTables:
     return StudyTables(**tables)
 
 
-def nested_study(  # noqa: PLR0914
+def nested_study(
     rng, groups=9, methods=("eca", "sia"), effect_s=0.0, shared_s=0.3, own_s=0.15, iterations=4, studies=1
 ) -> StudyTables:
     """A study in which all steps of an iteration share an error, so that events are not independent.

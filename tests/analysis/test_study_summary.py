@@ -8,9 +8,10 @@ import pytest
 
 from sjasim.analysis.study_summary import study_summary
 from sjasim.analysis.study_values import select_sessions
+from sjasim.assets.published_study import GROUPS_WON, GSI, ITERATIONS_WON
 from sjasim.core.errors import ConfigError
 
-from .synthetic_study import PAPER_ECA, PAPER_SIA, nested_study, paper_table
+from .synthetic_study import nested_study, paper_table
 
 
 @pytest.fixture(scope="module")
@@ -34,14 +35,14 @@ def test_the_paper_s_table_gives_the_paper_s_figures(paper):
 
 def test_sia_wins_22_of_36_iterations_and_7_of_9_groups_of_the_paper(paper):
     assert paper["wins"]["pair"] == ["eca", "sia"]
-    assert paper["wins"]["iterations"] == [22, 36]
-    assert paper["wins"]["groups"] == [7, 9]
+    assert paper["wins"]["iterations"] == list(ITERATIONS_WON)
+    assert paper["wins"]["groups"] == list(GROUPS_WON)
     assert paper["wins"]["pairs"][0]["iterations"] == {"first": 13, "second": 22, "ties": 1, "n": 36}
 
 
 def test_the_table_has_the_paper_s_cells_and_marks_the_best(paper):
     assert len(paper["table"]) == 9
-    for row, eca, sia in zip(paper["table"], PAPER_ECA, PAPER_SIA, strict=True):
+    for row, eca, sia in zip(paper["table"], GSI["eca"], GSI["sia"], strict=True):
         assert [cell["gsi"] for cell in row["iterations"]] == [
             {"eca": a, "sia": b} for a, b in zip(eca, sia, strict=True)
         ]
