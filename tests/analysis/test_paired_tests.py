@@ -1,6 +1,7 @@
 """Signed ranks, sign flips and adjusted probabilities, against SciPy, statsmodels and pingouin."""
 
 import numpy as np
+import pandas
 import pingouin
 import pytest
 from scipy import stats
@@ -102,7 +103,6 @@ def test_undefined_probabilities_do_not_count_as_comparisons():
 
 def test_an_analysis_of_variance_of_group_means_gives_nearly_the_same_probability():
     """With two conditions and one mean per group, repeated-measures anova is the paired t test."""
-    pandas = pytest.importorskip("pandas")
     groups = np.arange(9)
     first = RNG.normal(0.41, 0.07, 9)
     second = first + RNG.normal(0.05, 0.06, 9)
