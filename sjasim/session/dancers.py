@@ -89,12 +89,15 @@ def perceived_timing_error_s(cues: Sequence[Cue], robot_events: Sequence[AgentEv
         for kind, t_s in cue.events():
             times.setdefault((kind, cue.ordinal), []).append(t_s)
 
+    means: dict[Kind, list[float]] = {}
+    for (kind, _), values in times.items():
+        means.setdefault(kind, []).append(sum(values) / len(values))
+
     errors = []
     for event in robot_events:
         kind = Kind.CLAP if event.kind is Kind.TURN else event.kind
-        means = [float(np.mean(values)) for (other, _), values in times.items() if other is kind]
-        if means:
-            errors.append(min(abs(event.t_s - mean) for mean in means))
+        if kind in means:
+            errors.append(min([abs(event.t_s - mean) for mean in means[kind]]))
     return float(np.mean(errors)) if errors else None
 
 

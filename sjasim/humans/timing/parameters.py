@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -207,6 +208,7 @@ def _as_tuples(value: Any) -> Any:
     return tuple(_as_tuples(item) for item in value) if isinstance(value, list) else value
 
 
+@cache
 def _presets() -> dict[str, dict[str, Any]]:
     text = resources.files("sjasim.assets").joinpath("presets.toml").read_text("utf-8")
     return tomllib.loads(text)
