@@ -13,6 +13,7 @@ import numpy as np
 from ..core import Array
 from ..core.errors import ConfigError
 from .comparisons import compare_conditions
+from .event_rows import event_rows
 from .json_data import without_nan
 from .paired_intervals import RESAMPLES, mean_interval
 from .paired_tests import signed_rank
@@ -26,6 +27,7 @@ from .study_values import (
     select_sessions,
     step_values,
 )
+from .surrogates import chance_level, observed_indices
 from .synchrony_table import table_rows, win_counts
 from .timing_distribution import shares_within, timing_histogram
 
@@ -35,6 +37,9 @@ INDICES = ("gsi", "gsi_full_edges", "gsi_humans")
 CONFIDENCE = 0.95
 """Probability that an interval should contain the value."""
 
+SAME_INDEX = 1e-6
+"""Largest difference at which two computations of an index count as equal."""
+
 EVENT_WARNING = (
     "The events of a session are not independent, so this test, which is the paper's, rejects too often. "
     "The tests under comparisons take groups as the unit."
@@ -42,7 +47,11 @@ EVENT_WARNING = (
 
 
 def study_summary(
-    tables: StudyTables, conditions: Sequence[str] = (), seed: int = 0, adjustment: str = "holm"
+    tables: StudyTables,
+    conditions: Sequence[str] = (),
+    seed: int = 0,
+    adjustment: str = "holm",
+    tau_s: float = 0.25,
 ) -> dict[str, object]:
     """Compute the figures of a study.
 
@@ -55,11 +64,12 @@ def study_summary(
             one minus the earlier one. By default, the order of the first sessions.
         seed: of the random numbers of bootstrap and permutation.
         adjustment: of the probabilities over several comparisons: holm, benjamini-hochberg or none.
+        tau_s: window of synchrony with which the sessions were measured [s]; chance levels are computed with it.
 
     Returns:
-        plain data for JSON. By condition: ``gsi``, ``gsi_full_edges``, ``gsi_humans``, ``ta``. For the paper's figures:
-        ``table`` (Table I), ``wins``, ``wilcoxon``. At group level: ``comparisons``, ``intervals``. See
-        docs/statistics.md.
+        plain data for JSON. By condition: ``gsi``, ``gsi_full_edges``, ``gsi_humans``, ``ta``, ``chance``. For the
+        paper's figures: ``table`` (Table I), ``wins``, ``wilcoxon``. At group level: ``comparisons``, ``intervals``.
+        ``notices`` says in sentences what is missing. See docs/statistics.md.
 
     Raises:
         ConfigError: the study has no session, or none of a named condition.
@@ -74,6 +84,7 @@ def study_summary(
 
     iterations = iteration_values(one, "gsi", robotic)
     groups = group_values(one, "gsi", robotic)
+    chance, notices = chance_levels(one, names, rng, tau_s)
     content = {
         "conditions": list(names),
         "groups": len(np.unique(one.sessions["group"])),
@@ -84,6 +95,7 @@ def study_summary(
         "ta": {name: timing_figures(one, name, rng) for name in robotic},
         "wins": win_counts(iterations, groups),
         "wilcoxon": event_test(one, robotic),
+        "chance": chance,
         "comparisons": compare_conditions(one, names, rng, adjustment),
         "intervals": {
             "confidence": CONFIDENCE,
@@ -92,6 +104,7 @@ def study_summary(
             "seed": seed,
         },
         "replications": replication_figures(tables, robotic) if len(studies) > 1 else None,
+        "notices": notices,
     }
     plain = without_nan(content)
     assert isinstance(plain, dict)
@@ -192,6 +205,43 @@ def event_test(tables: StudyTables, conditions: Sequence[str]) -> dict[str, obje
         "zeros": result.zeros,
         "warning": EVENT_WARNING,
     }
+
+
+def chance_levels(
+    tables: StudyTables, conditions: Sequence[str], rng: np.random.Generator, tau_s: float
+) -> tuple[dict[str, object], list[str]]:
+    """Compute the chance level of the synchronisation indices of every condition.
+
+    Args:
+        tables: one study.
+        conditions: names of the conditions.
+        rng: draws the surrogates.
+        tau_s: window of synchrony [s].
+
+    Returns:
+        condition -> chance level, see `surrogates.chance_level`, None without events; and sentences about conditions
+        without one.
+    """
+    levels: dict[str, object] = {}
+    notices: list[str] = []
+    for name in conditions:
+        rows = event_rows(tables, name, tau_s)
+        levels[name] = None
+        if rows is None:
+            notices.append(f"{name}: no chance level, because the study has kept no events")
+            continue
+
+        levels[name] = chance_level(rows, rng)
+        difference = float(np.abs(observed_indices(rows).gsi - rows.gsi).max())
+        if difference > SAME_INDEX:
+            notices.append(
+                f"{name}: the chance level is computed with other parameters of synchrony than the table, whose "
+                f"indices differ by up to {difference:.3f}"
+            )
+        agents = rows.slices.shape[1]
+        if len(rows.row_of) < agents:
+            notices.append(f"{name}: {len(rows.row_of)} groups are too few for pseudo-groups of {agents} agents")
+    return levels, notices
 
 
 def _steps_of(tables: StudyTables, condition: str) -> Array:
