@@ -125,7 +125,7 @@ class Sia(ScheduledMethod):
         count = len(context.steps)
         self._history = EventHistory(context, self._config.epsilon_s)
 
-        self._msp: dict[int, str] = {}
+        self._leaders: dict[int, str] = {}
         """Iteration -> its most synchronous person."""
         self._previous_msp: str | None = None
         """Most synchronous person of the last iteration with events; it decides ties."""
@@ -164,8 +164,8 @@ class Sia(ScheduledMethod):
 
         Source: iqbal2016, section VI-A, on the robot's edges.
         """
-        if iteration >= self._config.first_followed_iteration and iteration - 1 in self._msp:
-            return (self._msp[iteration - 1],)
+        if iteration >= self._config.first_followed_iteration and iteration - 1 in self._leaders:
+            return (self._leaders[iteration - 1],)
         return () if self._config.edges == "none" else None
 
     def on_event(self, event: Event) -> Sequence[MethodAction]:
@@ -217,7 +217,7 @@ class Sia(ScheduledMethod):
             return predicted
 
         # Where the leader has no event in the last iteration (omitted or not detected), use the time that ECA predicts.
-        self._leader = self._msp[iteration - 1]
+        self._leader = self._leaders[iteration - 1]
         leader_s = self._history.step_times(iteration - 1)[self._context.cast.index(self._leader)]
         self._expected_s = np.where(np.isfinite(leader_s), leader_s, self._history.schedule)
         self._start_s = self._context.iteration_start_s[iteration]
@@ -241,7 +241,7 @@ class Sia(ScheduledMethod):
         series = self._history.series(iteration)
         # Use the tau of the session's measures, so that they report the same most synchronous person.
         choice = most_synchronous(series, self._previous_msp, self._context.tau_s)
-        self._msp[iteration] = choice.person
+        self._leaders[iteration] = choice.person
         # Without events all dancers are tied at 0; the choice is then arbitrary and must not decide the next tie.
         if any(kinds for _, kinds in series.values()):
             self._previous_msp = choice.person

@@ -10,7 +10,13 @@ from sjasim.core.registry import names, resolve
 from .pages import table_rows, text_of
 
 PAGE = "docs/methods.md"
-HEADINGS = {"sia": "## SIA", "eca": "## ECA", "metronome": "## Metronome", "learned": "## Learned"}
+HEADINGS = {
+    "sia": "## SIA",
+    "random-dancer": "## Random dancer",
+    "eca": "## ECA",
+    "metronome": "## Metronome",
+    "learned": "## Learned",
+}
 
 
 def test_every_method_is_described():
