@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..anticipation.coincidences import Series
-from ..anticipation.synchrony import GroupSynchrony, group_index, most_synchronous
+from ..anticipation.synchrony import GroupSynchrony, PairIndices, group_graph, most_synchronous_of, pair_indices
 from ..anticipation.timing_appropriateness import lateness, match_to_steps
 from ..choreography.timetable import Timetable
 from ..config import SessionConfig
@@ -88,15 +88,15 @@ def group_metrics(
     rows: list[GroupSynchronyRow] = []
     for iteration in range(timetable.first, last + 1):
         series = _series(events, agents, iteration, timetable.start_s(iteration))
-        dancers_series = {name: series[name] for name in dancers}
-        msp = most_synchronous(dancers_series, previous_msp, config.synchrony.tau_s).person
+        pairs = pair_indices(series, config.synchrony.tau_s, config.synchrony.one_to_one)
+        msp = most_synchronous_of(pairs.first(len(dancers)), previous_msp).person
 
         # The rehearsal, iteration 0, is not measured.
         if iteration >= 1:
             follows = _followed_in(followed, iteration)
-            rows.append(_measure_iteration(series, config, timetable, iteration, msp, follows))
+            rows.append(_measure_iteration(series, pairs, timetable, iteration, msp, follows))
         # An iteration without events has no most synchronous person, and leaves the earlier one.
-        if any(len(kinds) for _, kinds in dancers_series.values()):
+        if any(len(series[name][1]) for name in dancers):
             previous_msp = msp
 
     return rows
@@ -145,20 +145,18 @@ def step_latencies(row: GroupSynchronyRow, decisions: Sequence[Decision]) -> Arr
 
 def _measure_iteration(
     series: dict[str, Series],
-    config: SessionConfig,
+    pairs: PairIndices,
     timetable: Timetable,
     iteration: int,
     msp: str,
     follows: list[str] | None,
 ) -> GroupSynchronyRow:
     """Measure one iteration; ``follows`` is None for a method that uses the events of all dancers."""
-    tau_s = config.synchrony.tau_s
-    one_to_one = config.synchrony.one_to_one
-    paper = group_index(series, "paper", follows=follows, tau=tau_s, one_to_one=one_to_one)
-    full = group_index(series, "full", tau=tau_s, one_to_one=one_to_one)
+    paper = group_graph(pairs, "paper", follows=follows)
+    full = group_graph(pairs, "full")
 
     steps_s = _step_times(series, timetable, iteration)
-    has_robot = config.method != "none"
+    has_robot = ROBOT in series
     dancers = [agent for agent in series if agent != ROBOT]
     return GroupSynchronyRow(
         iteration=iteration,
@@ -180,15 +178,14 @@ def _followed_in(followed: Sequence[Followed], iteration: int) -> list[str] | No
 
 def _series(events: Sequence[AgentEvent], agents: Sequence[str], iteration: int, start_s: float) -> dict[str, Series]:
     """Agent -> times since the iteration's beat 0 [s] and kinds of its events in the iteration."""
-    by_agent: dict[str, list[AgentEvent]] = {agent: [] for agent in agents}
+    series: dict[str, tuple[list[float], list[str]]] = {agent: ([], []) for agent in agents}
     for event in events:
-        if event.iteration == iteration and event.agent in by_agent:
-            by_agent[event.agent].append(event)
+        if event.iteration == iteration and event.agent in series:
+            times_s, kinds = series[event.agent]
+            times_s.append(event.t_s - start_s)
+            kinds.append(event.kind)
 
-    return {
-        agent: ([event.t_s - start_s for event in own], [event.kind for event in own])
-        for agent, own in by_agent.items()
-    }
+    return dict(series)
 
 
 def _step_times(series: dict[str, Series], timetable: Timetable, iteration: int) -> Array:

@@ -178,8 +178,8 @@ def measures(log: SessionLog) -> Measures:
     config = from_plain(log.config)
     table = timetable(config)
 
-    # Logged events are what the server knew. True events come from the ground truth; in the event-level world, which has
-    # no bodies, plans and robot events are the truth.
+    # Logged events are what the server knew. True events come from the ground truth. In the event-level world, which
+    # has no bodies, plans and robot events are the truth.
     logged = logged_events(log)
     true_onsets = dancer_events(log.truth, log.cues, table) if log.truth else planned_events(log.cues)
     true_robot = robot_events(log.odometry, table) if log.odometry else log.robot_events

@@ -65,7 +65,7 @@ STEPS: Mapping[str, Column] = {
     "iteration": Column("int64", "iteration of the dance, from 1"),
     "ordinal": Column("int64", "step of the dance within the iteration, from 0"),
     "ta_s": Column("float64", "timing appropriateness: distance from the dancers' mean time [s]; NaN if missed"),
-    "latency_s": Column("float64", "robot's time minus the followed dancer's [s]; NaN if it followed nobody or missed"),
+    "latency_s": Column("float64", "robot's time minus that of the dancer who triggered the step [s]; else NaN"),
 }
 """One row for each step of the robot; none in sessions without a robot."""
 

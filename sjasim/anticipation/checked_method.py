@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 from numbers import Integral, Real
 from reprlib import repr as short_repr
 
@@ -14,7 +15,7 @@ from .method import Follower, Method
 
 _EXPECTED = "a sequence of ScheduleCommand, CancelCommand and SetTimer is wanted"
 
-_ACTION_FIELDS: dict[str, tuple[type, str]] = {
+_FIELD_TYPES: dict[str, tuple[type, str]] = {
     "iteration": (Integral, "a whole number"),
     "ordinal": (Integral, "a whole number"),
     "t_s": (Real, "a session time in seconds"),
@@ -22,6 +23,12 @@ _ACTION_FIELDS: dict[str, tuple[type, str]] = {
     "person": (str, "a string"),
 }
 """Field of an action -> its type, and that type in words."""
+
+_ACTION_FIELDS: dict[type, dict[str, tuple[type, str]]] = {
+    action: {field.name: _FIELD_TYPES[field.name] for field in fields(action) if field.name in _FIELD_TYPES}
+    for action in (ScheduleCommand, CancelCommand, SetTimer)
+}
+"""Type of an action -> its fields that are checked, with their types."""
 
 
 class CheckedMethod:
@@ -109,11 +116,11 @@ class CheckedMethod:
 
     def _check_action(self, hook: str, event_time_s: float, action: object) -> None:
         """Raise a `PluginError` for what is no action, for a field of a wrong type, and for a timer in the past."""
-        if not isinstance(action, ScheduleCommand | CancelCommand | SetTimer):
+        if type(action) not in _ACTION_FIELDS:
             raise PluginError(f"{self._name}.{hook} returned {short_repr(action)} among its answers; {_EXPECTED}")
 
-        for field, (kind, words) in _ACTION_FIELDS.items():
-            if hasattr(action, field) and not isinstance(value := getattr(action, field), kind):
+        for field, (kind, words) in _ACTION_FIELDS[type(action)].items():
+            if not isinstance(value := getattr(action, field), kind):
                 answer = f"{type(action).__name__}.{field} = {value!r}"
                 raise PluginError(f"{self._name}.{hook}: {answer} is not allowed: {words}")
 

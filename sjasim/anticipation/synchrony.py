@@ -40,6 +40,25 @@ class PairSynchrony:
 
 
 @dataclass(frozen=True, slots=True)
+class PairIndices:
+    """Pairwise synchronisation indices of H agents in one iteration.
+
+    Attributes:
+        agents: names of the agents.
+        index: (H, H) pairwise indices, symmetric, 0 on the diagonal.
+        empty: (H, H) whether neither agent of the pair has an event.
+    """
+
+    agents: tuple[str, ...]
+    index: Array
+    empty: BoolArray
+
+    def first(self, count: int) -> PairIndices:
+        """Return the indices of the first ``count`` agents."""
+        return PairIndices(self.agents[:count], self.index[:count, :count], self.empty[:count, :count])
+
+
+@dataclass(frozen=True, slots=True)
 class GroupSynchrony:
     """Group topology graph of one iteration, and the indices that follow from it.
 
@@ -194,19 +213,52 @@ def group_index(
 
     Source: iqbal2016, eq. (11).
     """
+    return group_graph(pair_indices(series, tau, one_to_one), edges, follows=follows, robot=robot)
+
+
+def pair_indices(series: Mapping[str, Series], tau: float = 0.25, one_to_one: bool = False) -> PairIndices:
+    """Compute the pairwise indices of all agents, from which the indices of several graphs can be computed.
+
+    Args:
+        series: agent -> events of one iteration.
+        tau: two events coincide if they are less than this apart [s].
+        one_to_one: bounded variant, see `pair_synchrony`.
+
+    Raises:
+        ConfigError: tau is not positive, times are not finite, or times and kinds differ in length.
+
+    Source: iqbal2016, eq. (4).
+    """
     agents = tuple(series)
     counted = count_coincidences(tuple(series.values()), tau, one_to_one)
-    pairs = np.where(np.eye(len(agents), dtype=bool), 0.0, counted.index)
-    out = _graph_edges(agents, edges, follows, robot)
+    return PairIndices(agents, np.where(np.eye(len(agents), dtype=bool), 0.0, counted.index), counted.empty)
 
-    individual = individual_index(pairs, out)
+
+def group_graph(
+    pairs: PairIndices, edges: str = "paper", *, follows: Sequence[str] | None = None, robot: str = ROBOT
+) -> GroupSynchrony:
+    """Compute the group topology graph and the group synchronisation index from the pairwise indices.
+
+    Args:
+        pairs: pairwise indices of all agents.
+        edges: see `group_index`.
+        follows: see `group_index`.
+        robot: name of the robot among the agents.
+
+    Raises:
+        ConfigError: ``edges`` has another value, or ``follows`` contains a name that is not a dancer.
+
+    Source: iqbal2016, eq. (11).
+    """
+    out = _graph_edges(pairs.agents, edges, follows, robot)
+    individual = individual_index(pairs.index, out)
     connected = connectivity(out)
-    gsi = float(np.mean(individual * connected)) if agents else 0.0
+    gsi = float(np.mean(individual * connected)) if pairs.agents else 0.0
 
-    for array in (pairs, out, individual, connected):
+    for array in (pairs.index, out, individual, connected):
         array.flags.writeable = False
-    empty = tuple((a, b) for (i, a), (j, b) in combinations(enumerate(agents), 2) if counted.empty[i, j])
-    return GroupSynchrony(agents, pairs, out, individual, connected, gsi, empty)
+    empty = tuple((a, b) for (i, a), (j, b) in combinations(enumerate(pairs.agents), 2) if pairs.empty[i, j])
+    return GroupSynchrony(pairs.agents, pairs.index, out, individual, connected, gsi, empty)
 
 
 def most_synchronous(
@@ -226,13 +278,16 @@ def most_synchronous(
 
     Source: iqbal2016, section III-A.3.
     """
-    group = group_index(series, "full", tau=tau, one_to_one=one_to_one)
-    best = group.individual.max()
-    tied = tuple(
-        name for name, value in zip(group.agents, group.individual, strict=True) if value >= best - TIE_TOLERANCE
-    )
+    return most_synchronous_of(pair_indices(series, tau, one_to_one), previous)
+
+
+def most_synchronous_of(pairs: PairIndices, previous: str | None = None) -> MostSynchronous:
+    """Determine the most synchronous person from the dancers' pairwise indices; see `most_synchronous`."""
+    individual = individual_index(pairs.index)
+    best = individual.max()
+    tied = tuple(name for name, value in zip(pairs.agents, individual, strict=True) if value >= best - TIE_TOLERANCE)
     person = previous if previous is not None and previous in tied else tied[0]
-    return MostSynchronous(person, tied, group.individual)
+    return MostSynchronous(person, tied, individual)
 
 
 def _out_edges(count: int, edges: BoolArray | None) -> BoolArray:

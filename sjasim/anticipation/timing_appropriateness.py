@@ -8,6 +8,7 @@ Source: iqbal2016, sections III-B and VI-B.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -42,24 +43,25 @@ def match_to_steps(
     Returns:
         (K,) times [s], NaN where a step has no event.
     """
-    matched_s = np.full(len(steps), np.nan)
-    steps_of: dict[Kind, list[int]] = {}
+    # Lists, because an iteration has a few steps only, for which NumPy's calls would take longer than the work.
+    expected = [float(value) for value in expected_s]
+    matched_s = [math.nan] * len(steps)
+    steps_of: dict[str, list[int]] = {}
     for index, step in enumerate(steps):
         steps_of.setdefault(step.kind, []).append(index)
 
-    for event in np.argsort(np.asarray(times_s, dtype=np.float64), kind="stable"):
-        time_s = float(times_s[event])
-        kind = Kind.CLAP if kinds[event] == Kind.TURN else Kind(kinds[event])
+    for time_s, name in sorted(zip(map(float, times_s), kinds, strict=True), key=lambda event: event[0]):
+        kind = Kind.CLAP if name == Kind.TURN else name
         candidates = steps_of.get(kind)
         if not candidates:
             continue
 
-        nearest = min(candidates, key=lambda index: abs(float(expected_s[index]) - time_s))
+        nearest = min(candidates, key=lambda index: abs(expected[index] - time_s))
         # Written with "not" so that a step without an event yet, NaN, takes this one.
-        if not abs(matched_s[nearest] - expected_s[nearest]) <= abs(time_s - expected_s[nearest]):
+        if not abs(matched_s[nearest] - expected[nearest]) <= abs(time_s - expected[nearest]):
             matched_s[nearest] = time_s
 
-    return matched_s
+    return np.array(matched_s)
 
 
 def main_cluster(times_s: Array, epsilon_s: float = EPSILON_S) -> BoolArray:
@@ -74,18 +76,25 @@ def main_cluster(times_s: Array, epsilon_s: float = EPSILON_S) -> BoolArray:
 
     Source: iqbal2016, section III-B, which does not name the clustering method.
     """
-    times = np.asarray(times_s, dtype=np.float64)
-    member = np.zeros(len(times), dtype=bool)
-    finite_count = int(np.isfinite(times).sum())
-    # NaN is sorted last.
-    order = np.argsort(times, kind="stable")[:finite_count]
-    if len(order) == 0:
-        return member
-
-    labels = np.concatenate([[0], np.cumsum(np.diff(times[order]) > epsilon_s)])
-    largest = np.argmax(np.bincount(labels))
-    member[order[labels == largest]] = True
+    member = np.zeros(len(times_s), dtype=bool)
+    member[_main_cluster(np.asarray(times_s, dtype=np.float64).tolist(), epsilon_s)] = True
     return member
+
+
+def _main_cluster(times_s: list[float], epsilon_s: float) -> list[int]:
+    """Indices of the members of the main cluster, in order; see `main_cluster`."""
+    order = sorted((index for index, time_s in enumerate(times_s) if not math.isnan(time_s)), key=times_s.__getitem__)
+
+    largest: list[int] = []
+    cluster: list[int] = []
+    for index in order:
+        if cluster and times_s[index] - times_s[cluster[-1]] > epsilon_s:
+            cluster = []
+        cluster.append(index)
+        # Of equally large clusters the earliest stays.
+        if len(cluster) > len(largest):
+            largest = cluster
+    return sorted(largest)
 
 
 def ideal_times(dancers_s: Array, epsilon_s: float = EPSILON_S, min_members: int = 1) -> Array:
@@ -101,12 +110,12 @@ def ideal_times(dancers_s: Array, epsilon_s: float = EPSILON_S, min_members: int
 
     Source: iqbal2016, section VI-B. The mean is taken over the detected dancers; the paper divides by 3.
     """
-    columns = np.asarray(dancers_s, dtype=np.float64).T
+    columns = np.asarray(dancers_s, dtype=np.float64).T.tolist()
     ideal_s = np.full(len(columns), np.nan)
     for index, column in enumerate(columns):
-        member = main_cluster(column, epsilon_s)
-        if member.sum() >= max(min_members, 1):
-            ideal_s[index] = column[member].mean()
+        members = _main_cluster(column, epsilon_s)
+        if len(members) >= max(min_members, 1):
+            ideal_s[index] = sum(column[member] for member in members) / len(members)
     return ideal_s
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -65,16 +66,24 @@ def layout(config: SessionConfig) -> Layout:
         ConfigError: the slots are too few or too close, or somebody would leave the range or the field of view of a
             sensor while it is faced.
     """
-    slots = _slots(config.layout, config.dancers, config.scene)
-    _check_spacing(slots, config.layout)
+    return _shared_layout(config.layout, config.dancers, config.scene, config.sensors, config.dance.step_m)
 
-    mounts = tuple(_mount(cardinal, index, config.scene) for index, cardinal in enumerate(CARDINALS))
-    fields = "scene.slots_m" if config.layout == "custom" else "scene.side_m"
+
+@lru_cache(maxsize=64)
+def _shared_layout(name: str, dancers: int, scene: SceneConfig, sensors: SensorConfig, step_m: float) -> Layout:
+    """The layout of some options; sessions with the same options share it."""
+    slots = _slots(name, dancers, scene)
+    _check_spacing(slots, name)
+
+    mounts = tuple(_mount(cardinal, index, scene) for index, cardinal in enumerate(CARDINALS))
+    fields = "scene.slots_m" if name == "custom" else "scene.side_m"
     for mount in mounts:
-        problem = _visibility_problem(slots, mount, config.sensors, config.dance.step_m)
+        problem = _visibility_problem(slots, mount, sensors, step_m)
         if problem is not None:
-            raise ConfigError("layout", config.layout, f"{problem} (scene.sensor_distance_m, {fields})")
+            raise ConfigError("layout", name, f"{problem} (scene.sensor_distance_m, {fields})")
 
+    for array in (slots, *(mount.position for mount in mounts), *(mount.world_from_sensor for mount in mounts)):
+        array.flags.writeable = False
     return Layout(slots[:-1], slots[-1], mounts)
 
 

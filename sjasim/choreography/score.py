@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from ..core import Kind, Move
 from ..core.method_io import Step
@@ -31,7 +32,7 @@ class ScoreMove:
     beats: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Choreography:
     """A dance: one iteration, which the session repeats.
 
@@ -54,6 +55,10 @@ class Choreography:
 
         A step's ordinal counts all events of the iteration, its occurrence those of the same kind, both from 0.
         """
+        return self._steps
+
+    @cached_property
+    def _steps(self) -> tuple[Step, ...]:
         steps: list[Step] = []
         counts: dict[Kind, int] = {}
 
@@ -67,6 +72,14 @@ class Choreography:
 
     def first_ordinal(self, index: int) -> int:
         """Ordinal of the first event of the ``index``-th move; a turn, which has none, shares that of its clap."""
-        before = sum(len(MOVE_EVENTS[item.move]) for item in self.moves[:index])
+        return self._first_ordinals[index]
 
-        return before if MOVE_EVENTS[self.moves[index].move] else max(before - 1, 0)
+    @cached_property
+    def _first_ordinals(self) -> tuple[int, ...]:
+        ordinals: list[int] = []
+        before = 0
+        for item in self.moves:
+            count = len(MOVE_EVENTS[item.move])
+            ordinals.append(before if count else max(before - 1, 0))
+            before += count
+        return tuple(ordinals)

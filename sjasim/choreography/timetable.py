@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ..config import SessionConfig
+from ..config import DanceConfig, SessionConfig
 from ..core.errors import PluginError
 from ..core.registry import resolve
 from ..core.tempo import TempoMap
@@ -35,9 +35,20 @@ class Timetable:
 
     def time_s(self, iteration: int, beat: float) -> float:
         """Session time of a beat of an iteration [s]."""
+        known_s = self._known_s.get((iteration, beat))
+        if known_s is not None:
+            return known_s
+
         # Tempo changes and pauses are given in beats of the song, which counts on through the iterations.
         song_beat = (iteration - self.first) * self.choreography.iteration_beats + beat
-        return self.lead_in_s + self.tempo.time_s(song_beat)
+        time_s = self.lead_in_s + self.tempo.time_s(song_beat)
+        self._known_s[iteration, beat] = time_s
+        return time_s
+
+    @cached_property
+    def _known_s(self) -> dict[tuple[int, float], float]:
+        """(iteration, beat) -> session time, for the beats that have been asked for [s]."""
+        return {}
 
     def start_s(self, iteration: int) -> float:
         """Session time of an iteration's beat 0 [s]."""
@@ -73,10 +84,21 @@ def timetable(config: SessionConfig) -> Timetable:
         PluginError: what the name stands for does not return a `Choreography`.
     """
     options = config.dance
+    # A plug-in of the user's may change while Python runs, so its timetable is made anew each time.
+    make = _make_timetable if ":" in options.name else _shared_timetable
+    return make(options, config.iterations)
+
+
+def _make_timetable(options: DanceConfig, iterations: int) -> Timetable:
+    """The timetable of a dance."""
     dance = resolve("choreography", options.name).factory()
     if not isinstance(dance, Choreography):
         raise PluginError(f"choreography {options.name!r} made {type(dance).__name__}, not a Choreography")
 
     tempo = TempoMap.changing(options.bpm, options.tempo, options.pauses)
     first = 0 if options.rehearsal else 1
-    return Timetable(dance, tempo, options.lead_in_s, first, config.iterations)
+    return Timetable(dance, tempo, options.lead_in_s, first, iterations)
+
+
+_shared_timetable = lru_cache(maxsize=64)(_make_timetable)
+"""The timetable of a registered dance; sessions with the same dance share it."""

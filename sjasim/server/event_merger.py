@@ -56,8 +56,9 @@ class EventMerger:
         kind = _MIRRORED.get(report.kind, report.kind) if mirrored else report.kind
         merged_s = self._latest_s.setdefault((person, kind, report.early), [])
         min_gap_s = self._clap_refractory_s if kind is Kind.CLAP else SAME_MOVE_S
-        if any(abs(t_s - earlier_s) < min_gap_s for earlier_s in merged_s):
-            return None
+        for earlier_s in merged_s:
+            if abs(t_s - earlier_s) < min_gap_s:
+                return None
 
         merged_s.append(t_s)
         del merged_s[:-_KEPT_TIMES]

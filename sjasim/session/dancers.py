@@ -16,12 +16,15 @@ from ..core.registry import resolve
 from ..core.session_log import AgentEvent
 from ..humans.timing.ensemble import EnsembleTiming
 from ..humans.timing.human_timing import HumanTiming
-from ..humans.timing.parameters import preset, read_parameters
+from ..humans.timing.parameters import TimingParameters, parameters_at_expertise, preset, read_parameters
 from ..humans.timing.replay import Replay
 from ..record.event_table import read_event_table
 
 REPLAY_PREFIX = "replay:"
 """Prefix of ``SessionConfig.humans`` that is followed by a file of recorded events."""
+
+EXPERTISE_PREFIX = "expertise:"
+"""Prefix of ``SessionConfig.humans`` that is followed by a number from 0 to 1."""
 
 
 def make_human_timing(config: SessionConfig, timetable: Timetable) -> HumanTiming:
@@ -30,6 +33,7 @@ def make_human_timing(config: SessionConfig, timetable: Timetable) -> HumanTimin
     ``config.humans`` is one of
 
     - a preset's name,
+    - ``expertise:NUMBER``, people between novices (0) and musicians (1),
     - a TOML file with the fields of `TimingParameters`,
     - ``replay:FILE``, an event table or a session's folder; ``replay:FILE#SESSION`` for a table of several sessions,
     - ``module:Class``, an implementation of `HumanTiming`. Its constructor takes the arguments of `EnsembleTiming`
@@ -45,16 +49,28 @@ def make_human_timing(config: SessionConfig, timetable: Timetable) -> HumanTimin
     # Separate streams: the same persons can give different performances, and all methods meet the same persons.
     person_rng = stream(config.seed, "humans", "group")
     performance_rng = stream(config.seed, "humans", "performance", config.performance or config.method)
-    if name.endswith(".toml"):
-        parameters = read_parameters(Path(name))
-        return EnsembleTiming(parameters, timetable, config.dancers, person_rng, performance_rng)
-    if ":" not in name:
-        return EnsembleTiming(preset(name), timetable, config.dancers, person_rng, performance_rng)
+    if ":" not in name or name.endswith(".toml") or name.startswith(EXPERTISE_PREFIX):
+        return EnsembleTiming(_parameters(name), timetable, config.dancers, person_rng, performance_rng)
 
     model = resolve("humans", name).factory(timetable, config.dancers, person_rng, performance_rng)
     if not isinstance(model, HumanTiming):
         raise PluginError(f"humans {name!r} made {type(model).__name__}, which lacks begin, decide or next_due_s")
     return model
+
+
+def _parameters(name: str) -> TimingParameters:
+    """Parameters of the ensemble model that a preset, a file or an expertise names."""
+    if name.endswith(".toml"):
+        return read_parameters(Path(name))
+    if not name.startswith(EXPERTISE_PREFIX):
+        return preset(name)
+
+    number = name.removeprefix(EXPERTISE_PREFIX)
+    try:
+        expertise = float(number)
+    except ValueError:
+        raise ConfigError("humans", name, f"{EXPERTISE_PREFIX} and a number from 0 to 1") from None
+    return parameters_at_expertise(expertise)
 
 
 def _replay(source: str, timetable: Timetable, dancers: int) -> Replay:
@@ -89,12 +105,15 @@ def perceived_timing_error_s(cues: Sequence[Cue], robot_events: Sequence[AgentEv
         for kind, t_s in cue.events():
             times.setdefault((kind, cue.ordinal), []).append(t_s)
 
+    means: dict[Kind, list[float]] = {}
+    for (kind, _), values in times.items():
+        means.setdefault(kind, []).append(sum(values) / len(values))
+
     errors = []
     for event in robot_events:
         kind = Kind.CLAP if event.kind is Kind.TURN else event.kind
-        means = [float(np.mean(values)) for (other, _), values in times.items() if other is kind]
-        if means:
-            errors.append(min(abs(event.t_s - mean) for mean in means))
+        if kind in means:
+            errors.append(min([abs(event.t_s - mean) for mean in means[kind]]))
     return float(np.mean(errors)) if errors else None
 
 

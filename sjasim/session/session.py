@@ -211,9 +211,14 @@ class Session:
                 else:
                     self._receive_from_client(t_arrival_s, message)
 
-        self._process_boundaries(now)
-        self._send_server_messages(now)
-        self._process_method_timers(now)
+        # Most instants are those of an arrival, at which nothing of this is due.
+        _, _, server, dispatcher, boundaries = self._due_sources
+        if boundaries[0].t_s <= now:
+            self._process_boundaries(now)
+        if server.next_due_s <= now:
+            self._send_server_messages(now)
+        if dispatcher.next_due_s <= now and self._checked_method is not None:
+            self._process_method_timers(now)
 
         if self.server.active != self.handovers[-1].sensor:
             self.handovers.append(Handover(now, self.server.active))
@@ -266,8 +271,6 @@ class Session:
 
     def _send_server_messages(self, now: float) -> None:
         """Send the server's orders and clock requests that are due, and check that the robot still reports."""
-        if self.server.next_due_s > now:
-            return
         # The server sends something several times a second, which is often enough for this check.
         if self._checked_method is not None and self.world.continuous:
             self.dispatcher.check_robot_alive(now)
@@ -276,8 +279,6 @@ class Session:
 
     def _process_method_timers(self, now: float) -> None:
         """Call the method's timers that are due, then send the commands that are due to the robot."""
-        if self._checked_method is None or self.dispatcher.next_due_s > now:
-            return
         for timer_s in self.dispatcher.due_timers(now):
             self._call_method(now, "on_timer", timer_s, timer_s)
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.group_metrics import GroupSynchronyRow, group_metrics
+from ..analysis.group_metrics import GroupSynchronyRow, group_metrics, step_latencies
 from ..config import HUMANS_ONLY
 from ..core import ROBOT, Array
-from ..core.session_log import AgentEvent
+from ..core.session_log import AgentEvent, Decision
 from ..session.session import Session
 
 
@@ -56,7 +56,7 @@ def session_rows(session: Session, number: int) -> SessionRows:
             "robot_missed": int(iterations["robot_missed"].sum()),
         },
         iterations=iterations,
-        steps=_step_columns(measured, number) if has_robot else _step_columns([], number),
+        steps=_step_columns(measured if has_robot else [], session.dispatcher.decisions, number),
         events=_event_columns(logged, session, number),
     )
 
@@ -78,7 +78,9 @@ def _iteration_columns(
     }
 
 
-def _step_columns(rows: list[GroupSynchronyRow], number: int) -> dict[str, NDArray[np.generic]]:
+def _step_columns(
+    rows: Sequence[GroupSynchronyRow], decisions: Sequence[Decision], number: int
+) -> dict[str, NDArray[np.generic]]:
     """Columns of the table ``steps``."""
     count = len(rows[0].ta_s) if rows else 0
     return {
@@ -86,7 +88,7 @@ def _step_columns(rows: list[GroupSynchronyRow], number: int) -> dict[str, NDArr
         "iteration": np.repeat(np.array([row.iteration for row in rows], dtype=np.int64), count),
         "ordinal": np.tile(np.arange(count), len(rows)),
         "ta_s": np.concatenate([np.zeros(0), *(row.ta_s for row in rows)]),
-        "latency_s": np.concatenate([np.zeros(0), *(_latencies_s(row) for row in rows)]),
+        "latency_s": np.concatenate([np.zeros(0), *(step_latencies(row, decisions) for row in rows)]),
     }
 
 
@@ -109,13 +111,6 @@ def _event_columns(logged: list[AgentEvent], session: Session, number: int) -> d
         "kind": kind[order],
         "t_s": t_s[order],
     }
-
-
-def _latencies_s(row: GroupSynchronyRow) -> Array:
-    """(K,) time of the robot minus that of the followed dancer at each step [s]; NaN if it followed nobody."""
-    if not row.follows:
-        return np.full(len(row.ta_s), np.nan)
-    return np.asarray(row.steps_s[-1] - row.steps_s[_dancer_number(row.follows) - 1])
 
 
 def _humans_gsi(pairs: Array) -> float:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from sjasim.config import FaultConfig
+from sjasim.choreography.timetable import timetable
+from sjasim.config import FaultConfig, SessionConfig
 from sjasim.core import ROBOT, Cue, Kind, Move
+from sjasim.core.errors import ConfigError
 from sjasim.core.session_log import AgentEvent
-from sjasim.session.dancers import cues_with_faults, perceived_timing_error_s
+from sjasim.session.dancers import cues_with_faults, make_human_timing, perceived_timing_error_s
 
 
 def test_perceived_error_is_the_distance_from_the_dancers_mean_time():
@@ -32,3 +37,13 @@ def test_faults_delay_or_remove_the_cues_of_their_target_from_their_time_on():
     assert [cue.t_s for cue in late] == [4.0, 8.5, 4.0, 8.0]
     stopped = cues_with_faults(cues, [FaultConfig("dancer_stops", "dancer_2", 8.0)])
     assert [(cue.dancer, cue.t_s) for cue in stopped] == [("dancer_1", 4.0), ("dancer_1", 8.0), ("dancer_2", 4.0)]
+
+
+def test_people_of_an_expertise_dance():
+    config = SessionConfig(humans="expertise:0.5")
+    model = make_human_timing(config, timetable(config))
+    model.begin(1, None, np.zeros(3))
+    assert sum(len(own) for own in model.decide(0.0, ())) >= 12
+    for wrong in ("expertise:", "expertise:much", "expertise:2"):
+        with pytest.raises(ConfigError, match=r"humans.*0.* to 1"):
+            make_human_timing(replace(config, humans=wrong), timetable(config))

@@ -20,7 +20,7 @@ from sjasim.session.session import Session, run_session
 SHORT = SessionConfig(
     method="sia", sensing="joints", iterations=1, seed=5, dance=DanceConfig(rehearsal=False, lead_in_s=2.0)
 )
-MACHINE_DEPENDENT = ("cpu_s", "wall_s", "versions")
+MACHINE_DEPENDENT = ("cost", "versions")
 """Keys of session.json that differ between runs of the same session."""
 
 

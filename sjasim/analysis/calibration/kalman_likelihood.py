@@ -1,8 +1,9 @@
 """Likelihood of event times under linear phase correction, from a Kalman filter over the events of each sequence.
 
-The state has every dancer's own deviation and the group's common shift; an observed event is the sum of the two plus
-motor noise. The gains depend only on which events are missing, so they are computed once for every pattern of missing
-events, and not for every sequence.
+The state has every timekeeper's deviation and the group's common shift; an observed event is the sum of the two plus
+motor noise. Dancers correct observed events: those that are in the data enter the next state as a known input, and only
+the motor noise of missing ones adds to the state's noise. The gains depend only on which events are missing, so they
+are computed once for every pattern of missing events, and not for every sequence.
 
 Source: jacoby2015, section 2 (the ensemble as a linear model). The state-space form and its likelihood are standard.
 """
@@ -21,9 +22,9 @@ class Noise(NamedTuple):
     """Noise of the model; variances are in the square of the data's unit.
 
     Attributes:
-        timekeeper: (D,) variance that each event adds to the own deviations.
-        first: (D,) variance of the own deviations at the first event of a sequence.
-        motor: (D,) variance of the noise that does not carry over to the next event.
+        timekeeper: (D,) variance that each event adds to the timekeepers' deviations.
+        first: (D,) variance of the timekeepers' deviations at the first event of a sequence.
+        motor: (D,) variance of the motor noise.
         common: variance of the common shift.
         correlation: correlation of the common shift between successive events.
     """
@@ -36,14 +37,40 @@ class Noise(NamedTuple):
 
 
 @compiled_inner
+def _step(present: BoolArray, phase: Array, rho: float) -> Array:
+    """(D + 1, D + 1) state at one event from that at the event before, without known input.
+
+    What a dancer corrects at the event before is the observed event less the common shift or, where there is no
+    observed event, the deviation itself.
+
+    Args:
+        present: (D,) which events there are at the event before.
+        phase: (D, D) as in `_gains`.
+        rho: as in `_gains`.
+    """
+    dancers = len(phase)
+    step = np.zeros((dancers + 1, dancers + 1))
+    step[dancers, dancers] = rho
+
+    for i in range(dancers):
+        step[i, i] = 1.0
+        for j in range(dancers):
+            if present[j]:
+                step[i, dancers] += phase[i, j]
+            else:
+                step[i, j] -= phase[i, j]
+    return step
+
+
+@compiled_inner
 def _gains(
-    present: BoolArray, transition: Array, timekeeper: Array, first: Array, motor: Array, common: float, rho: float
+    present: BoolArray, phase: Array, timekeeper: Array, first: Array, motor: Array, common: float, rho: float
 ) -> tuple[Array, Array]:
     """(E, D, D + 1) gain of each event and (E, D) variance of its innovation, for one pattern of missing events.
 
     Args:
         present: (E, D) which events there are.
-        transition: (D, D) own deviations of one event from those of the event before.
+        phase: (D, D) share of each observed deviation (column) that each dancer (row) corrects.
         timekeeper: (D,) see `Noise`.
         first: (D,) see `Noise`.
         motor: (D,) see `Noise`.
@@ -57,9 +84,6 @@ def _gains(
 
     # The last entry of the state is the common shift.
     covariance = np.zeros((size, size))
-    step = np.zeros((size, size))
-    step[:dancers, :dancers] = transition
-    step[dancers, dancers] = rho
 
     for e in range(events):
         # Prediction; the noise of the common shift keeps its variance stationary.
@@ -68,9 +92,16 @@ def _gains(
                 covariance[i, i] = first[i]
             covariance[dancers, dancers] = common
         else:
+            step = _step(present[e - 1], phase, rho)
             covariance = step @ covariance @ step.T
             for i in range(dancers):
                 covariance[i, i] += timekeeper[i]
+            # Motor noise that the data do not show, but that the dancers correct.
+            for j in range(dancers):
+                if not present[e - 1, j]:
+                    for a in range(dancers):
+                        for b in range(dancers):
+                            covariance[a, b] += phase[a, j] * phase[b, j] * motor[j]
             covariance[dancers, dancers] += common * (1.0 - rho * rho)
 
         # Update with one event after the other: their motor noises are independent.
@@ -90,7 +121,7 @@ def _gains(
 
 @compiled_inner
 def _squared_distance(
-    times: Array, present: BoolArray, gains: Array, variances: Array, transition: Array, rho: float
+    times: Array, present: BoolArray, gains: Array, variances: Array, phase: Array, rho: float
 ) -> float:
     """Sum of the squared innovations of one sequence, each over its variance; arguments as in `_gains`."""
     events, dancers = present.shape
@@ -101,9 +132,10 @@ def _squared_distance(
     for e in range(events):
         if e:
             for i in range(dancers):
-                predicted[i] = 0.0
+                predicted[i] = state[i]
                 for j in range(dancers):
-                    predicted[i] += transition[i, j] * state[j]
+                    observed = times[e - 1, j] - state[dancers] if present[e - 1, j] else state[j]
+                    predicted[i] -= phase[i, j] * observed
             predicted[dancers] = rho * state[dancers]
             state[:] = predicted
 
@@ -119,7 +151,7 @@ def _squared_distance(
 
 @compiled_entry
 def _evaluate(
-    times: Array, pattern: IntArray, patterns: BoolArray, transition: Array, timekeeper: Array, first: Array,
+    times: Array, pattern: IntArray, patterns: BoolArray, phase: Array, timekeeper: Array, first: Array,
     motor: Array, common: float, rho: float,
 ) -> tuple[Array, Array]:  # fmt: skip
     """(N,) squared distances and (N,) log determinants of all sequences; an impossible variance gives infinity.
@@ -128,7 +160,7 @@ def _evaluate(
         times: (N, E, D) event times; missing ones have any finite value.
         pattern: (N,) index into ``patterns`` of each sequence.
         patterns: (P, E, D) which events there are.
-        transition: (D, D) as in `_gains`, like the arguments that follow.
+        phase: (D, D) as in `_gains`, like the arguments that follow.
         timekeeper: (D,).
         first: (D,).
         motor: (D,).
@@ -139,12 +171,12 @@ def _evaluate(
     log_det = np.zeros(len(times))
 
     for p in range(len(patterns)):
-        gains, variances = _gains(patterns[p], transition, timekeeper, first, motor, common, rho)
+        gains, variances = _gains(patterns[p], phase, timekeeper, first, motor, common, rho)
         log_sum = np.log(variances).sum() if variances.min() > 0.0 else np.inf
         for n in range(len(times)):
             if pattern[n] == p:
                 log_det[n] = log_sum
-                distance[n] = _squared_distance(times[n], patterns[p], gains, variances, transition, rho)
+                distance[n] = _squared_distance(times[n], patterns[p], gains, variances, phase, rho)
 
     return distance, log_det
 
@@ -196,18 +228,19 @@ class PhaseFilter:
         self.counts: IntArray = present.sum(axis=(1, 2))
         """(N,) number of events in each sequence."""
 
-    def evaluate(self, transition: Array, noise: Noise) -> tuple[Array, Array]:
+    def evaluate(self, phase: Array, noise: Noise) -> tuple[Array, Array]:
         """(N,) squared distances of the sequences, and (N,) log determinants of their covariances.
 
         The log density of a sequence of n events is ``-(distance + log determinant + n log 2 pi) / 2``. With all noises
         scaled by s it is ``-(distance / s^2 + log determinant + n log(2 pi s^2)) / 2``.
 
         Args:
-            transition: (D, D) own deviations of one event from those of the event before.
+            phase: (D, D) share of each observed deviation (column) that each dancer (row) corrects; its rows add up to
+                0, so that what is common to all is not corrected.
             noise: the model's noise.
         """
         distance, log_det = _evaluate(
-            self._times, self._pattern, self._patterns, np.ascontiguousarray(transition), noise.timekeeper,
+            self._times, self._pattern, self._patterns, np.ascontiguousarray(phase), noise.timekeeper,
             noise.first, noise.motor, float(noise.common), float(noise.correlation),
         )  # fmt: skip
         return distance, log_det

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from ...core import Array
-from ...humans.timing.parameters import REFERENCE_GROUP_SIZE, TimingParameters
+from ...humans.timing.parameters import TimingParameters
 from .kalman_likelihood import Noise, PhaseFilter, log_mixture
 from .optimisation import Bounds
 from .tapping_trials import TappingTrials, finite_mean
@@ -80,7 +80,7 @@ class TimingLikelihood:
         guesses = {
             "timekeeper_s": 0.6, "motor_s": 0.15, "common_s": self._common**2, "common_correlation": 0.5,
             "iteration_spread": 0.1, "group_spread": 0.05, "scale": 0.0,
-            "coupling": 0.5 / (self.dancers if self.matrix else REFERENCE_GROUP_SIZE),
+            "coupling": 0.5 / self.dancers,
         }  # fmt: skip
         return np.array([guesses[name.partition("[")[0]] for name in self.names])
 
@@ -91,7 +91,7 @@ class TimingLikelihood:
             "motor_s": (0.0, 1e3),
             "common_s": (1e-6, 1e6),
             "common_correlation": (0.0, 0.999),
-            "coupling": (-0.9, 0.9) if self.matrix else (0.0, 0.6),
+            "coupling": (-0.9, 0.9) if self.matrix else (0.0, 2.0 / self.dancers),
             "scale": (-3.0, 3.0),
             "iteration_spread": (-1.0, 1.0),
             "group_spread": (-0.5, 0.5),
@@ -105,7 +105,7 @@ class TimingLikelihood:
             values: entries by name.
         """
         if not self.matrix:
-            coupling = min(max(values["coupling"], 0.0), 0.6)
+            coupling = min(max(values["coupling"], 0.0), 1.0)
             return TimingParameters(coupling=coupling).coupling_gains(self.dancers)
 
         gains = np.zeros((self.dancers, self.dancers))
@@ -134,9 +134,9 @@ class TimingLikelihood:
         """
         values = dict(zip(self.names, map(float, vector), strict=True))
         gains = self.gains(values)
-        transition = np.eye(self.dancers) + gains - np.diag(gains.sum(axis=1))
+        phase = np.diag(gains.sum(axis=1)) - gains
 
-        distance, log_det = self._filter.evaluate(transition, self._noise(values))
+        distance, log_det = self._filter.evaluate(phase, self._noise(values))
         if not np.isfinite(log_det).all():
             return IMPOSSIBLE_COST
         iteration_spread = values.get("iteration_spread", 0.0)

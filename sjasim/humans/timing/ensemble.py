@@ -1,11 +1,14 @@
 """The ensemble timing model: event times of dancers who synchronise with one another by linear phase correction.
 
-An event time is the nominal beat plus a common shift of the group plus the dancer's own deviation plus motor noise.
-The common shift is an AR(1) process over the events of an iteration. Own deviations follow linear phase correction
-with timekeeper noise. The robot may be a member of the ensemble, and a badly timed robot may make people noisier.
+An event time is the nominal beat plus a common shift of the group plus the dancer's observed deviation. The common
+shift is an AR(1) process over the events of an iteration. The observed deviation A is the timekeeper's plus motor noise
+M. Dancers correct what they observe, motor noise included: for a single dancer and the music,
+``A[k+1] = (1 - a) A[k] + T[k] + M[k+1] - M[k]`` with timekeeper noise T. The robot may be a member of the ensemble, and
+a badly timed robot may make people noisier.
 
-Source: vorberg1996, section 3 (phase correction); wing2014, eq. (1) (ensembles). The shortest moves and holds, which
-keep the events in order, are assumed.
+Source: vorberg1996, section 3 (phase correction); wing2014, eq. (1), and jacoby2015, section 2 (ensembles). Assumed:
+the shortest moves and holds, which keep the events in order; that dancers correct neither the delays that these cause
+nor a partner's constant lateness, which they expect; that a dancer who leaves out a move keeps time meanwhile.
 """
 
 from __future__ import annotations
@@ -57,7 +60,8 @@ class _Iteration:
         lapses: (D, E) draws of lapses.
         free_s: (D,) earliest session time of each dancer's next event.
         skipping: (D,) dancers who leave out the present phrase.
-        deviation_s: (D, E) own deviations of the decided events, without motor noise.
+        deviation_s: (D, E) timekeepers' deviations at the decided events, without motor noise.
+        tempo: (D, E) relative slowness that period correction has given each dancer before the decided events.
         times_s: (D, E) decided event times.
         answered: robot events to which the dancers have corrected already.
     """
@@ -72,6 +76,7 @@ class _Iteration:
     free_s: Array
     skipping: BoolArray
     deviation_s: Array
+    tempo: Array
     times_s: Array
     answered: set[ObservedRobotEvent] = field(default_factory=set)
 
@@ -111,7 +116,8 @@ class EnsembleTiming:
         self._dancers = dancers
         self._rng = performance
 
-        self._transition = parameters.transition_matrix(dancers)
+        self._phase_gains = np.eye(dancers) - parameters.transition_matrix(dancers)
+        self._period_gains = parameters.period_gains(dancers)
         self._robot_coupling = parameters.per_dancer("robot_coupling", dancers, 0.0)
         self._late_s = parameters.per_dancer("late_s", dancers, 0.0)
         self._drift = parameters.per_dancer("drift", dancers, 0.0)
@@ -137,7 +143,7 @@ class EnsembleTiming:
         scale = self._group_scale * _lognormal(parameters.iteration_spread, rng)
         common_s = scale * parameters.common_s * self._common_shift()
         own_scale = self._entrained(scale, appropriateness_s) * self._dancer_scale[:, None]
-        noise = own_scale * rng.standard_normal((2, *shape))
+        noise = own_scale * parameters.practice_factor(iteration) * rng.standard_normal((2, *shape))
         lapses: BoolArray = rng.random(shape) < parameters.lapse
 
         self._state = _Iteration(
@@ -151,6 +157,7 @@ class EnsembleTiming:
             free_s=np.array(not_before_s, dtype=np.float64),
             skipping=np.zeros(self._dancers, dtype=bool),
             deviation_s=np.zeros(shape),
+            tempo=np.zeros(shape),
             times_s=np.zeros(shape),
         )
         self._next_move = 0
@@ -207,6 +214,7 @@ class EnsembleTiming:
 
         for ordinal in range(first, first + len(MOVE_EVENTS[move])):
             state.deviation_s[:, ordinal] = self._deviation(ordinal) - correction_s
+            state.tempo[:, ordinal] = self._tempo(ordinal)
             correction_s = np.zeros(self._dancers)
             self._fix_event(ordinal)
 
@@ -244,9 +252,9 @@ class EnsembleTiming:
         return Cue(dancer_name(dancer), item.move, state.index, first, item.beat, t_s, duration_s)
 
     def _deviation(self, ordinal: int) -> Array:
-        """(D,) own deviations at an event, before any correction towards the robot [s].
+        """(D,) timekeepers' deviations at an event, before any correction towards the robot [s].
 
-        Source: wing2014, eq. (1), in matrix form, with drift and unforeseen tempo changes added.
+        Source: wing2014, eq. (1), in matrix form, with drift, period correction and unforeseen tempo changes added.
         """
         state = self._state
         noise = state.timekeeper_s[:, ordinal]
@@ -254,8 +262,28 @@ class EnsembleTiming:
             return np.array(noise)
 
         interval_s = float(state.nominal_s[ordinal] - state.nominal_s[ordinal - 1])
-        drift = self._drift * interval_s + state.tempo_error_s[ordinal]
-        return np.asarray(self._transition @ state.deviation_s[:, ordinal - 1] + drift + noise)
+        drift = (self._drift + self._tempo(ordinal)) * interval_s + state.tempo_error_s[ordinal]
+        correction = self._phase_gains @ self._observed(ordinal - 1)
+        return np.asarray(state.deviation_s[:, ordinal - 1] - correction + drift + noise)
+
+    def _observed(self, ordinal: int) -> Array:
+        """(D,) deviations at a decided event as everybody observes them, motor noise included [s]."""
+        return np.asarray(self._state.deviation_s[:, ordinal] + self._state.motor_s[:, ordinal])
+
+    def _tempo(self, ordinal: int) -> Array:
+        """(D,) relative slowness before an event, after period correction for the event before it.
+
+        The correction is relative to the interval in which the asynchrony arose, because intervals differ in length.
+        Source: vandersteen2013 (period correction).
+        """
+        state = self._state
+        if ordinal == 0:
+            return np.zeros(self._dancers)
+
+        first = max(ordinal - 2, 0)
+        interval_s = float(state.nominal_s[first + 1] - state.nominal_s[first])
+        change = self._period_gains @ self._observed(ordinal - 1) / interval_s
+        return np.asarray(state.tempo[:, ordinal - 1] - change)
 
     def _event_times(self, ordinal: int, deviation_s: Array) -> Array:
         """(D,) session times of an event for given own deviations, before shortest moves and holds are applied [s]."""
@@ -274,11 +302,12 @@ class EnsembleTiming:
     def _lag_behind_robot(self, robot: Sequence[ObservedRobotEvent]) -> Array:
         """(D,) mean lag of each dancer behind the robot's new events; 0 without a new event [s].
 
-        An event of the robot belongs to the nearest event of its kind in the score.
+        An event of the robot belongs to the nearest event of its kind in the score. What dancers observe of their own
+        events includes motor noise; an event that is still to come is expected without it.
         """
         state = self._state
         decided = self._timetable.choreography.first_ordinal(self._next_move)
-        deviation = state.deviation_s.copy()
+        deviation = state.deviation_s + state.motor_s
         # Events that are not decided are expected with the deviation of the last one that is.
         deviation[:, decided:] = state.deviation_s[:, [max(decided - 1, 0)]]
         expected = state.nominal_s + state.common_s + deviation

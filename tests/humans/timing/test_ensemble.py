@@ -22,6 +22,8 @@ from ..dancing import dance
 SLOW = 40.0
 """A tempo so slow that the shortest moves and holds never change an event time [beats per minute]."""
 
+PAIR = ("dancer_1", "dancer_2")
+
 NOISY = ("paper-entrainment", "paper-warmup", "one-late", "tempo-change")
 
 
@@ -65,16 +67,19 @@ def deviations(parameters, count, dancers=3, appropriateness_s=None, people=0, b
 
 
 def expected_covariance(p: TimingParameters, dancers: int, events: int) -> np.ndarray:
-    """(E, D, D) covariance of own deviations, by the recursion sigma = A sigma A^T + noise."""
+    """(E, D, D) covariance of observed deviations y, from y[k+1] = A y[k] + T[k] + M[k+1] - M[k]."""
     gain = p.coupling * np.diag([(*p.correction, 1.0)[0], *[1.0] * (dancers - 1)])
     matrix = (1 - p.music_coupling) * np.eye(dancers) - gain @ (dancers * np.eye(dancers) - np.ones((dancers, dancers)))
     spread = np.exp(p.group_spread**2 + p.iteration_spread**2 + p.dancer_spread**2)
 
-    sigma = p.timekeeper_s**2 * np.eye(dancers)
+    motor = p.motor_s**2 * np.eye(dancers)
+    timekeeper = p.timekeeper_s**2 * np.eye(dancers)
+    sigma = timekeeper + motor
     rows = []
     for _ in range(events):
-        rows.append(spread * (sigma + p.motor_s**2 * np.eye(dancers)))
-        sigma = matrix @ sigma @ matrix.T + p.timekeeper_s**2 * np.eye(dancers)
+        rows.append(spread * sigma)
+        # The covariance of y[k] with M[k] is that of the motor noise.
+        sigma = matrix @ sigma @ matrix.T - matrix @ motor - motor @ matrix.T + timekeeper + 2 * motor
     return np.array(rows)
 
 
@@ -140,6 +145,65 @@ def test_the_common_shift_is_autoregressive(name):
     for lag in (1, 2):
         pairs = [np.corrcoef(found[:, k], found[:, k + lag])[0, 1] for k in range(found.shape[1] - lag)]
         assert np.mean(pairs) == pytest.approx(rho**lag, abs=0.04)
+
+
+def test_observed_asynchronies_are_corrected_motor_noise_included():
+    """The published model by a second route: observed deviations, from the draws of a whole iteration."""
+    gains = ((0.0, 0.1, 0.2), (0.3, 0.0, 0.0), (0.15, 0.25, 0.0))
+    p = TimingParameters(timekeeper_s=0.01, motor_s=0.02, coupling=gains)
+    rng = np.random.default_rng(7)
+    # The draws of the iteration's scale and of the common shift come first.
+    rng.standard_normal(1)
+    rng.standard_normal(9)
+    timekeeper, motor = np.array([[[0.01]], [[0.02]]]) * rng.standard_normal((2, 3, 9))
+
+    y = timekeeper[:, 0] + motor[:, 0]
+    expected = [y]
+    for k in range(1, 9):
+        asynchrony = y[:, None] - y[None, :]
+        y = y - (np.array(gains) * asynchrony).sum(axis=1) + timekeeper[:, k] + motor[:, k] - motor[:, k - 1]
+        expected.append(y)
+
+    found = deviations_of(p, people=0, performance=7)
+    assert pytest.approx(np.array(expected)) == np.array(found).T
+
+
+def test_period_correction_reaches_a_drifting_partner_whom_phase_correction_follows_late():
+    p = TimingParameters(coupling=0.2, drift=(0.02,))
+    whole = [deviations(replace(p, period_correction=beta), 1)[0] for beta in (0.0, 0.1)]
+    apart = [float(np.abs(found[0] - found[1:].mean(axis=0))[-1]) for found in whole]
+    assert apart[1] < 0.6 * apart[0]
+
+
+def test_period_correction_changes_the_tempo_of_the_following_intervals():
+    """One asynchrony of .1 s, after an interval of 3 beats; the correction is relative to the interval."""
+    p = TimingParameters(period_correction=0.25, robot_coupling=(0.5, 0.0), correction=(0.0,))
+    late = np.array(
+        [lateness(decide_beside_late_robot(ensemble(p, 2, bpm=SLOW), 0.2, [0], dancers=2), d) for d in PAIR]
+    )
+    interval_s = np.diff(nominal_times())
+    assert late[0, 2:] == pytest.approx(0.1)
+    assert late[1, 2] == pytest.approx(0.0)
+    tempo = 0.25 * 0.1 / interval_s[1]
+    assert late[1, 3] == pytest.approx(tempo * interval_s[2])
+    tempo += 0.25 * (0.1 - late[1, 3]) / interval_s[2]
+    assert late[1, 4] == pytest.approx(late[1, 3] + tempo * interval_s[3])
+
+
+def test_practice_steadies_people_from_one_danced_iteration_to_the_next():
+    def scatter(p, iteration):
+        model = ensemble(p, 3, 0, 0, SLOW)
+        nominal = np.array([timetable(SLOW).time_s(iteration, step.beat) for step in dance().steps()])
+        return np.std([np.array(times(own)) - nominal for own in draw(model, iteration, None, np.zeros(3))])
+
+    noisy = TimingParameters(timekeeper_s=0.02, motor_s=0.01)
+    usual = scatter(noisy, 0)
+    steady = [scatter(replace(noisy, practice=0.2), iteration) / usual for iteration in range(5)]
+    assert steady == pytest.approx([1.0, 1.0, 0.8, 0.64, 0.512])
+    late = [scatter(replace(noisy, practice=(0.0, 0.3)), iteration) / usual for iteration in range(5)]
+    assert late == pytest.approx([1.0, 1.0, 1.0, 0.7, 0.7])
+    shift = TimingParameters(common_s=0.1)
+    assert scatter(shift, 3) == scatter(replace(shift, practice=0.5), 3)
 
 
 def test_coupling_reduces_asynchronies():
@@ -220,19 +284,19 @@ def test_a_group_outside_one_to_eight_is_refused(dancers):
 
 
 @pytest.mark.parametrize("dancers", [2, 3, 5, 8])
-def test_one_coupling_gives_groups_of_every_size_the_same_asynchrony(dancers):
-    p = TimingParameters(timekeeper_s=0.1, coupling=0.25)
+def test_one_coupling_is_a_gain_per_partner_in_groups_of_every_size(dancers):
+    p = TimingParameters(timekeeper_s=0.1, coupling=0.2)
     last = deviations(p, 300, dancers)[:, :, -1]
-    expected = 0.1 * np.sqrt((1 - 1 / dancers) / (1 - 0.25**2))
+    expected = 0.1 * np.sqrt((1 - 1 / dancers) * sum((1 - 0.2 * dancers) ** (2 * k) for k in range(9)))
     own = last - last.mean(axis=1, keepdims=True)
     assert np.sqrt((own**2).mean()) == pytest.approx(expected, rel=0.1)
 
 
-def decide_beside_late_robot(model, late_s, ordinals=range(9), iteration=1):
+def decide_beside_late_robot(model, late_s, ordinals=range(9), iteration=1, dancers=3):
     """Cues, in order of time, of a group that decides move by move beside a robot that is late at the given steps."""
     table, steps = timetable(SLOW), dance().steps()
     robot = [(steps[k].kind, table.time_s(iteration, steps[k].beat) + late_s) for k in ordinals]
-    model.begin(iteration, None, np.zeros(3))
+    model.begin(iteration, None, np.zeros(dancers))
     cues = []
     while math.isfinite(now := model.next_due_s):
         cues += [cue for own in model.decide(now, [event for event in robot if event[1] <= now]) for cue in own]

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sjasim.core.errors import ConfigError, UnknownNameError
-from sjasim.humans.timing.parameters import TimingParameters, preset, preset_names, read_parameters
+from sjasim.humans.timing.parameters import (
+    TimingParameters,
+    parameters_at_expertise,
+    preset,
+    preset_names,
+    read_parameters,
+)
 
 LEADER = ((0.0, 0.1, 0.1), (0.6, 0.0, 0.2), (0.6, 0.2, 0.0))
 
@@ -19,7 +27,10 @@ LEADER = ((0.0, 0.1, 0.1), (0.6, 0.0, 0.2), (0.6, 0.2, 0.0))
         ("common_s", 6.0),
         ("common_correlation", 1.0),
         ("coupling", -0.01),
-        ("coupling", 0.7),
+        ("coupling", 1.1),
+        ("period_correction", -0.1),
+        ("practice", 1.0),
+        ("practice", (0.1, 2.0)),
         ("coupling", ((0.0, 2.0), (0.1, 0.0))),
         ("coupling", ((0.0, "much"), (0.1, 0.0))),
         ("robot_coupling", 1.5),
@@ -51,19 +62,46 @@ def test_a_coupling_matrix_fits_one_number_of_dancers():
         TimingParameters(coupling=LEADER).coupling_gains(4)
 
 
-def test_gains_under_which_asynchronies_grow_are_refused():
-    with pytest.raises(ConfigError, match=r"humans.coupling.*differences die out.*1\.4"):
+@pytest.mark.parametrize(
+    ("dancers", "values", "says"),
+    [
+        (3, {"coupling": 0.7}, r"humans.coupling.*die out: at most a gain of 0\.667 for 3 dancers"),
+        (8, {"coupling": 0.3}, r"humans.coupling.*at most a gain of 0\.25 for 8 dancers"),
+        (2, {"coupling": 0.9, "music_coupling": 0.4}, r"humans.coupling.*at most a gain of 0\.8 for 2 dancers"),
+        (3, {"coupling": 0.6, "robot_coupling": 1.0}, r"humans.robot_coupling.*at most a gain of 0\.2 for 3 dancers"),
+        (2, {"coupling": 0.8, "period_correction": 0.9}, r"period_correction.*at most a gain of 0\.4 for 2 dancers"),
+    ],
+)
+def test_gains_under_which_asynchronies_grow_are_refused_with_the_largest_allowed_gain(dancers, values, says):
+    with pytest.raises(ConfigError, match=says):
+        TimingParameters(**values).transition_matrix(dancers)
+
+
+def test_a_matrix_under_which_asynchronies_grow_is_refused_with_the_largest_allowed_factor():
+    with pytest.raises(ConfigError, match=r"humans.coupling.*die out: at most 0\.833 times these gains"):
         TimingParameters(coupling=((0.0, 0.8, 0.8), (0.8, 0.0, 0.8), (0.8, 0.8, 0.0)))
-    with pytest.raises(ConfigError, match=r"humans.robot_coupling.*die out"):
-        TimingParameters(coupling=0.6, robot_coupling=1.0).transition_matrix(3)
+    with pytest.raises(ConfigError, match=r"humans.coupling.*at most 0 times"):
+        TimingParameters(coupling=((0.0, -0.1), (-0.1, 0.0)))
 
 
 @pytest.mark.parametrize("dancers", range(2, 9))
-def test_one_number_corrects_as_much_in_groups_of_every_size(dancers):
-    matrix = TimingParameters(coupling=0.3).transition_matrix(dancers)
+def test_one_number_is_a_gain_per_partner_whatever_the_groups_size(dancers):
+    p = TimingParameters(coupling=0.2)
+    assert np.array_equal(p.coupling_gains(dancers), 0.2 * (1 - np.eye(dancers)))
+    matrix = p.transition_matrix(dancers)
     assert matrix.sum(axis=1) == pytest.approx(1.0)
     eigenvalues = np.sort(np.linalg.eigvals(matrix).real)
-    assert eigenvalues[:-1] == pytest.approx(1 - 0.9)
+    assert eigenvalues[:-1] == pytest.approx(1 - 0.2 * dancers)
+
+
+def test_expertise_lies_between_novices_and_musicians():
+    novices, half, musicians = (parameters_at_expertise(value) for value in (0.0, 0.5, 1.0))
+    assert replace(novices, about="") == replace(preset("novices"), about="")
+    assert replace(musicians, about="") == replace(preset("musicians"), about="")
+    assert half.timekeeper_s == pytest.approx(np.sqrt(novices.timekeeper_s * musicians.timekeeper_s))
+    assert half.coupling == pytest.approx((novices.coupling + musicians.coupling) / 2)
+    with pytest.raises(ConfigError, match=r"humans.expertise = 1\.5 .*0 \(novices\) to 1 \(musicians\)"):
+        parameters_at_expertise(1.5)
 
 
 def test_a_row_of_the_matrix_corrects_towards_its_columns():
