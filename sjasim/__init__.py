@@ -5,6 +5,10 @@ Public names:
     run_session: simulates a session and returns its log.
     SessionLog: complete result of a session.
     measures: synchrony, timing and component measures of a log.
+    StudyDesign: design of a study of many groups and several methods.
+    run_study: simulates a study and returns its tables.
+    read_study: reads the tables of a study from its folder.
+    StudyReader: reads a study that does not fit in memory.
     synchrony: module with the synchrony equations for event times of any source.
     detect_events: detects events in recorded joints.
     fit_timing: fits the human timing model to recorded groups.
@@ -33,27 +37,38 @@ if TYPE_CHECKING:
     from .core.session_log import SessionLog
     from .sensors.recordings.detect import detect_events
     from .session.session import run_session
+    from .studies.dataset import StudyReader, read_study
+    from .studies.study_design import StudyDesign
+    from .studies.study_execution import run_study
 
 __version__ = "0.1.0"
 
 __all__ = [
     "SessionConfig",
     "SessionLog",
+    "StudyDesign",
+    "StudyReader",
     "__version__",
     "detect_events",
     "fit_timing",
     "measures",
+    "read_study",
     "run_session",
+    "run_study",
     "synchrony",
 ]
 
 _PUBLIC = {
     "SessionConfig": (".config", "SessionConfig"),
     "SessionLog": (".core.session_log", "SessionLog"),
+    "StudyDesign": (".studies.study_design", "StudyDesign"),
+    "StudyReader": (".studies.dataset", "StudyReader"),
     "detect_events": (".sensors.recordings.detect", "detect_events"),
     "fit_timing": (".analysis.calibration.event_table_fit", "fit_timing"),
     "measures": (".analysis.session_metrics", "measures"),
+    "read_study": (".studies.dataset", "read_study"),
     "run_session": (".session.session", "run_session"),
+    "run_study": (".studies.study_execution", "run_study"),
     "synchrony": (".anticipation.synchrony", None),
 }
 """Public name -> the module that holds it, and its name there; None for the module itself."""

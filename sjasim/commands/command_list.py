@@ -6,12 +6,12 @@ import difflib
 
 COMMANDS = {
     "run": "simulate one session and print its figures",
+    "study": "simulate many groups and compare methods",
     "view": "show a recorded session in the rerun viewer",
     "export": "write a recorded session as ROS 2 messages (MCAP) or CSV tables",
     "detect": "detect events in recorded joints",
     "calibrate": "fit the human timing model to recorded groups",
     "characterise": "measure the accuracy of the detectors and of the robot",
-    "reproduce": "simulate a published study and compare its values with people's",
     "benchmark": "measure the computing time of sessions and environments",
 }
 """Name -> what the command does, in one line. ``sjasim NAME`` is ``python -m sjasim.NAME``."""

@@ -33,7 +33,7 @@ class Flags(Generic[T]):
             without a prefix where they are annotated with `INLINE`. Tuples of dataclasses get no flags.
         default: values of what is not given; None for the dataclass's own.
         first: names of the fields that come first in the help.
-        omitted: names of the fields that get no flag.
+        omitted: names of the fields that get no flag; ``Class.field`` names a field of one dataclass only.
         tables: field that holds a mapping -> the dataclass whose fields are its keys. Other mappings get no flags.
     """
 
@@ -86,7 +86,7 @@ class Flags(Generic[T]):
             elif dataclasses.is_dataclass(hint):
                 group = _make(hint.__name__, self._rows(hint, value))  # type: ignore[union-attr,arg-type]
                 rows.append((field.name, Annotated[group, tyro.conf.arg(help=text)], dataclasses.MISSING))
-            elif not self._without_flag(field.name, hint):
+            elif not self._without_flag(options, field.name, hint):
                 rows.append((field.name, _annotated(hint, extras, value, text), value))
         return rows
 
@@ -102,19 +102,19 @@ class Flags(Generic[T]):
             elif dataclasses.is_dataclass(hint):
                 nested = parsed if INLINE in extras else getattr(parsed, field.name)
                 values[field.name] = self._built(hint, value, nested)
-            elif self._without_flag(field.name, hint):
+            elif self._without_flag(options, field.name, hint):
                 values[field.name] = value
             else:
                 values[field.name] = getattr(parsed, field.name)
         return options(**values)
 
-    def _without_flag(self, name: str, hint: Any) -> bool:
-        """Whether a field gets no flag: an omitted one, a mapping, or a tuple of dataclasses."""
+    def _without_flag(self, options: type, name: str, hint: Any) -> bool:
+        """Whether a field of a dataclass gets no flag: an omitted one, a mapping, or a tuple of dataclasses."""
         origin = get_origin(hint)
         if isinstance(origin, type) and issubclass(origin, Mapping):
             return True
         of_dataclasses = origin is tuple and any(dataclasses.is_dataclass(item) for item in get_args(hint))
-        return of_dataclasses or name in self._omitted
+        return of_dataclasses or name in self._omitted or f"{options.__name__}.{name}" in self._omitted
 
 
 def attribute_texts(options: type) -> dict[str, str]:

@@ -65,7 +65,12 @@ def read_toml(path: str | Path, base: SessionConfig | None = None) -> SessionCon
 
 def to_toml(config: SessionConfig) -> str:
     """Convert a configuration to TOML text, from which `read_toml` restores an equal configuration."""
-    return tomli_w.dumps(to_plain(config))
+    return plain_to_toml(to_plain(config))
+
+
+def plain_to_toml(data: Mapping[str, Any]) -> str:
+    """Convert dictionaries, lists, strings, numbers and booleans to TOML text."""
+    return tomli_w.dumps(data)
 
 
 def checked_value(hint: Any, value: object, path: str) -> Any:

@@ -60,11 +60,17 @@ OWNERS = {
     "imageio_ffmpeg": ("simulation.video",),
     "PIL": ("simulation.video",),
     "matplotlib": ("analysis.plots",),
+    "joblib": ("studies.backends.local_processes",),
+    "distributed": ("studies.backends.dask_workers",),
+    "ray": ("studies.backends.ray_workers",),
     "tomli_w": ("config.toml_file",),
 }
 """Library -> the rooms or modules that may import it."""
 
-HEAVY = ("mujoco", "rerun", "matplotlib", "scipy.stats", "numba", "dm_control", "mcap", "mcap_ros2", "imageio_ffmpeg")
+HEAVY = (
+    "mujoco", "rerun", "matplotlib", "scipy.stats", "numba", "dm_control", "mcap", "mcap_ros2", "imageio_ffmpeg",
+    "joblib", "distributed", "ray",
+)  # fmt: skip
 
 
 def fault(module: Module, item: Import) -> str | None:
