@@ -1,9 +1,8 @@
-"""``python -m sjasim.view``: shows a recorded session in rerun, or two on one time axis, or saves a picture."""
+"""``python -m sjasim.view``: shows a recorded session in rerun, or two side by side, or saves pictures."""
 
 from __future__ import annotations
 
 import sys
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,32 +26,33 @@ class Options:
         folder: the session's folder.
         other: folder of a second session, to compare.
         screenshot: write a picture of the viewer to this file instead of opening a window; needs no display.
+        plots: write the figures to this folder as pictures instead of opening a window.
         at: session time that the picture shows [s]; by default amid the last iteration but one.
-        overwrite: replace an earlier picture.
+        overwrite: replace earlier pictures.
         bind: address that the viewer listens on.
     """
 
     folder: Annotated[tyro.conf.Positional[Path], Metavar("DIR")]
     other: Annotated[tyro.conf.Positional[Path | None], Metavar("[DIR]")] = None
     screenshot: Annotated[Path | None, Metavar("FILE.png")] = None
+    plots: Annotated[Path | None, Metavar("DIR")] = None
     at: float | None = None
     overwrite: bool = False
     bind: str = "127.0.0.1"
 
 
 def command(arguments: Sequence[str], program: str = "python -m sjasim.view") -> None:
-    """Check the folders, then open the viewer or save the picture."""
+    """Check the folders, then open the viewer or save the pictures."""
     options = parse(Options, arguments, None, program, ABOUT)
     if options.at is not None and options.screenshot is None:
         raise ConfigError("at", options.at, "only with --screenshot FILE.png")
-    folders = [options.folder, *([options.other] if options.other else [])]
-    from .analysis.viewing import open_viewer, save_picture
+    from .analysis.viewing import open_viewer, save_pictures
 
-    with tempfile.TemporaryDirectory(prefix="sjasim-") as temporary:
-        if options.screenshot is None:
-            open_viewer(folders, Path(temporary), options.bind)
-        else:
-            save_picture(folders, Path(temporary), options.screenshot, options.at, options.overwrite)
+    folders = [folder for folder in (options.folder, options.other) if folder is not None]
+    if options.screenshot is None and options.plots is None:
+        open_viewer(folders, options.bind)
+    else:
+        save_pictures(folders, options.screenshot, options.at, options.plots, options.overwrite)
 
 
 if __name__ == "__main__":

@@ -115,6 +115,17 @@ def test_a_folder_that_is_none_is_named_first(tmp_path, capsys):
     assert "not a session's folder" in refused(capsys, view.command, tmp_path / "none")
 
 
+def test_figures_of_two_kept_sessions_are_compared(kept, tmp_path, capsys):
+    pytest.importorskip("matplotlib")
+    assert main(view.command, [str(kept), str(kept), "--plots", str(tmp_path / "plots")]) == 0
+    names = {path.name for path in (tmp_path / "plots").iterdir()}
+    assert {"timing.png", "A-sia-0-raster.png", "B-sia-0-delays.png"} <= names
+    capsys.readouterr()
+    assert "--overwrite" in refused(capsys, view.command, kept, "--plots", tmp_path / "plots")
+    assert "not a session's folder" in refused(capsys, view.command, tmp_path, "--plots", tmp_path / "other")
+    assert not (tmp_path / "other").exists()
+
+
 def test_csv_holds_the_tables(log, kept, tmp_path, capsys):
     assert main(export.command, [str(kept), "--csv", str(tmp_path / "csv")]) == 0
     lines = (tmp_path / "csv" / "events.csv").read_text().splitlines()

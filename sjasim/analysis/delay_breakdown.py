@@ -18,9 +18,8 @@ from ..core import Array, Event, MoveCommand, dancer_name
 from ..core.session_log import Decision, SessionLog
 from ..record.rerun.explanation import STAGES, DelayReport, Graph, StepDelay
 from .component_quality import clock_errors, mean_delay_s, sent_times
-from .ground_truth_events import dancer_events, robot_events
 from .group_metrics import GroupSynchronyRow, group_metrics
-from .session_metrics import logged_events
+from .session_metrics import logged_events, true_events
 
 NAN = float("nan")
 
@@ -63,9 +62,9 @@ def delay_report(log: SessionLog) -> DelayReport:
     """
     config = from_plain(log.config)
     table = timetable(config)
-    true = [*dancer_events(log.truth, log.cues, table), *robot_events(log.odometry, table)]
+    true_dancers, true_robot = true_events(log, table)
     rows = group_metrics(logged_events(log), config, table, log.followed)
-    true_rows = group_metrics(true, config, table, log.followed)
+    true_rows = group_metrics([*true_dancers, *true_robot], config, table, log.followed)
 
     sent_s = sent_times(log.events, log.device_events, mean_delay_s(config.network))
     has_robot = config.method != "none"

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..choreography.timetable import timetable
+from ..choreography.timetable import Timetable, timetable
 from ..config.toml_file import from_plain
 from ..core import ROBOT, Array, Cue
 from ..core.session_log import AgentEvent, Notice, SessionLog
@@ -178,14 +178,11 @@ def measures(log: SessionLog) -> Measures:
     config = from_plain(log.config)
     table = timetable(config)
 
-    # Logged events are what the server knew. True events come from the ground truth. In the event-level world, which
-    # has no bodies, plans and robot events are the truth.
+    # Logged events are what the server knew.
     logged = logged_events(log)
-    true_onsets = dancer_events(log.truth, log.cues, table) if log.truth else planned_events(log.cues)
-    true_robot = robot_events(log.odometry, table) if log.odometry else log.robot_events
-    true = [*true_onsets, *true_robot]
+    true_dancers, true_robot = true_events(log, table)
     rows = group_metrics(logged, config, table, log.followed)
-    true_rows = group_metrics(true, config, table, log.followed)
+    true_rows = group_metrics([*true_dancers, *true_robot], config, table, log.followed)
     iterations = tuple(_measure_iteration(row, true_row, logged) for row, true_row in zip(rows, true_rows, strict=True))
 
     ta_s = _finite_ta(rows)
@@ -202,7 +199,7 @@ def measures(log: SessionLog) -> Measures:
         ta_truth_mean_s=_mean(_finite_ta(true_rows)),
         late_mean_s=_mean(np.concatenate([_finite(row.late_s) for row in rows])),
         net_latency_s={kind: _latency(values) for kind, values in net_latencies(rows, table, log.decisions).items()},
-        detector=detector_quality(log.events, true_onsets),
+        detector=detector_quality(log.events, true_dancers),
         clocks=clock_quality(clock_errors(log.events, sent_s)),
         robot=robot_quality(log.commands, log.robot_events, log.odometry, config, table),
         bodies=body_quality(log.truth),
@@ -217,6 +214,21 @@ def logged_events(log: SessionLog) -> list[AgentEvent]:
         AgentEvent(event.iteration, event.person, event.kind, event.t_s) for event in log.events if not event.early
     ]
     return [*dancers, *log.robot_events]
+
+
+def true_events(log: SessionLog, table: Timetable) -> tuple[list[AgentEvent], list[AgentEvent]]:
+    """True regular events of the dancers, and those of the robot, each in order of time.
+
+    They come from the ground truth. In the event-level world, which has no bodies, the dancers' plans and the robot's
+    logged events are the truth.
+
+    Args:
+        log: the session.
+        table: its timetable.
+    """
+    dancers = dancer_events(log.truth, log.cues, table) if log.truth else planned_events(log.cues)
+    robot = robot_events(log.odometry, table) if log.odometry else list(log.robot_events)
+    return dancers, robot
 
 
 def planned_events(cues: Sequence[Cue]) -> list[AgentEvent]:

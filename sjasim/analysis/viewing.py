@@ -1,9 +1,11 @@
-"""Shows one or two recorded sessions in the rerun viewer, or saves a picture of the viewer."""
+"""Shows one or two recorded sessions in the rerun viewer, or saves a picture of the viewer, or figures."""
 
 from __future__ import annotations
 
+import contextlib
 import sys
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ..choreography.timetable import timetable
@@ -11,18 +13,17 @@ from ..config import SessionConfig
 from ..config.toml_file import from_plain
 from ..core.errors import ConfigError, RecordError
 from ..record.atomic_folder import check_file
-from ..record.session_folder import read_summary
+from ..record.session_folder import read, read_summary
 
 PICTURE_BEAT = 25.0
 """Beat of an iteration that a picture shows unless a time is given: all four move between their slots then."""
 
 
-def open_viewer(folders: Sequence[Path], temporary: Path, bind: str) -> None:
+def open_viewer(folders: Sequence[Path], bind: str) -> None:
     """Open the viewer, and wait until the user closes it.
 
     Args:
         folders: one or two sessions' folders.
-        temporary: folder for a new recording.
         bind: address that the viewer listens on.
 
     Raises:
@@ -32,22 +33,30 @@ def open_viewer(folders: Sequence[Path], temporary: Path, bind: str) -> None:
     from ..record.rerun.viewer import check_display, start
 
     check_display("a picture needs none: --screenshot FILE.png")
-    process, _ = start(viewable_recording(folders, temporary), bind=bind)
-    sys.stderr.write("close the viewer, or press Ctrl-C, to end\n")
-    try:
-        process.wait()
-    finally:
-        process.terminate()
+    with _temporary_folder() as temporary:
+        process, _ = start(viewable_recording(folders, temporary), bind=bind)
+        sys.stderr.write("close the viewer, or press Ctrl-C, to end\n")
+        try:
+            process.wait()
+        finally:
+            process.terminate()
 
 
-def save_picture(
-    folders: Sequence[Path], temporary: Path, picture: Path, time_s: float | None, overwrite: bool
+def save_pictures(
+    folders: Sequence[Path], screenshot: Path | None, time_s: float | None, plots: Path | None, overwrite: bool
 ) -> None:
+    """Save a picture of the viewer, or the figures, or both; see `save_picture` and `save_figures`."""
+    if plots is not None:
+        save_figures(folders, plots, overwrite)
+    if screenshot is not None:
+        save_picture(folders, screenshot, time_s, overwrite)
+
+
+def save_picture(folders: Sequence[Path], picture: Path, time_s: float | None, overwrite: bool) -> None:
     """Save a picture of the viewer; it needs no display.
 
     Args:
         folders: one or two sessions' folders.
-        temporary: folder for a new recording.
         picture: .png file to write.
         time_s: session time to show; None for `picture_time_s` of the first session [s].
         overwrite: whether an earlier picture may be replaced.
@@ -63,12 +72,34 @@ def save_picture(
         check_picture_time(time_s, configs)
     check_file(picture, overwrite)
 
-    recording = viewable_recording(folders, temporary)
     from ..record.rerun.viewer import screenshot
 
-    for report in screenshot(recording, picture, time_s):
-        sys.stderr.write(f"{report}\n")
+    with _temporary_folder() as temporary:
+        for report in screenshot(viewable_recording(folders, temporary), picture, time_s):
+            sys.stderr.write(f"{report}\n")
     sys.stderr.write(f"picture written to {picture}\n")
+
+
+def save_figures(folders: Sequence[Path], target: Path, overwrite: bool) -> None:
+    """Save the figures of one or two sessions.
+
+    Args:
+        folders: the sessions' folders.
+        target: folder to write into.
+        overwrite: whether earlier figures may be replaced.
+
+    Raises:
+        RecordError: a folder is not a session's, or the figures cannot be written.
+    """
+    from .delay_breakdown import delay_report
+    from .plots.files import check_plots, save_plots
+
+    check_plots(target, overwrite)
+    logs = [read(folder) for folder in folders]
+    labels = session_labels([from_plain(log.config) for log in logs])
+    sessions = {label: (log, delay_report(log)) for label, log in zip(labels, logs, strict=True)}
+    names = ", ".join(path.name for path in save_plots(sessions, target, overwrite))
+    sys.stderr.write(f"plots written to {target}: {names}\n")
 
 
 def read_configs(folders: Sequence[Path]) -> list[SessionConfig]:
@@ -120,16 +151,21 @@ def viewable_recording(folders: Sequence[Path], temporary: Path) -> Path:
         return stored
 
     logs = [read_with_joints(folder) for folder in folders]
-    prefixes = _prefixes(read_configs(folders))
+    prefixes = session_labels(read_configs(folders)) if len(folders) > 1 else [""]
     new = temporary / RECORDING
     save_all({prefix: (log, delay_report(log)) for prefix, log in zip(prefixes, logs, strict=True)}, new)
     return new
 
 
-def _prefixes(configs: Sequence[SessionConfig]) -> list[str]:
-    """What the recording calls each session: nothing where there is only one, else method and seed."""
-    if len(configs) == 1:
-        return [""]
+@contextlib.contextmanager
+def _temporary_folder() -> Iterator[Path]:
+    """Give a folder that is removed at the end of the block."""
+    with tempfile.TemporaryDirectory(prefix="sjasim-") as folder:
+        yield Path(folder)
+
+
+def session_labels(configs: Sequence[SessionConfig]) -> list[str]:
+    """Short names of sessions that are shown together: method and seed, with a letter before them if they are equal."""
     names = [f"{config.method}-{config.seed}" for config in configs]
     if len(set(names)) < len(names):
         names = [f"{letter}-{name}" for letter, name in zip("AB", names, strict=False)]

@@ -12,6 +12,7 @@ COMMANDS = {
     "detect": "detect events in recorded joints",
     "calibrate": "fit the human timing model to recorded groups",
     "characterise": "measure the accuracy of the detectors and of the robot",
+    "reproduce": "simulate a published study and compare its values with people's",
     "benchmark": "measure the computing time of sessions and environments",
 }
 """Name -> what the command does, in one line. ``sjasim NAME`` is ``python -m sjasim.NAME``."""

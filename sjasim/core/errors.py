@@ -22,6 +22,10 @@ class ConfigError(SjasimError):
         self.value = value
         self.allowed = allowed
 
+    def __reduce__(self) -> tuple[type[ConfigError], tuple[str, object, str]]:
+        """Pickle the arguments instead of the message, so that the error crosses processes."""
+        return type(self), (self.field, self.value, self.allowed)
+
 
 class UnknownNameError(SjasimError):
     """No plug-in is registered under a name; the message lists the registered names.
@@ -37,6 +41,10 @@ class UnknownNameError(SjasimError):
         self.room = room
         self.name = name
         self.known = known
+
+    def __reduce__(self) -> tuple[type[UnknownNameError], tuple[str, str, tuple[str, ...]]]:
+        """Pickle the arguments instead of the message, so that the error crosses processes."""
+        return type(self), (self.room, self.name, self.known)
 
 
 class PluginError(SjasimError):

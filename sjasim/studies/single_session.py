@@ -99,7 +99,7 @@ def check_outputs(outputs: SessionOutputs) -> None:
         check_file(outputs.video, outputs.overwrite)
 
     if outputs.plots is not None:
-        from ..analysis.plots import check_plots
+        from ..analysis.plots.files import check_plots
 
         check_plots(outputs.plots, outputs.overwrite)
 
@@ -144,7 +144,7 @@ def _write_outputs(log: SessionLog, outputs: SessionOutputs, observers: SessionO
     if outputs.out is not None:
         _write_folder(log, outputs.out, summary, report, outputs.overwrite)
     if outputs.plots is not None:
-        _write_plots(log, outputs.plots, report, outputs.overwrite)
+        _write_plots(log, report, outputs.plots, outputs.overwrite)
     return summary
 
 
@@ -157,8 +157,9 @@ def _write_folder(
     sys.stderr.write(f"session written to {place}\n")
 
 
-def _write_plots(log: SessionLog, folder: Path, report: DelayReport, overwrite: bool) -> None:
-    from ..analysis.plots import save_plots
+def _write_plots(log: SessionLog, report: DelayReport, folder: Path, overwrite: bool) -> None:
+    from ..analysis.plots.files import save_plots
 
-    names = ", ".join(path.name for path in save_plots(log, report, folder, overwrite))
+    label = f"{log.config['method']}-{log.config['seed']}"
+    names = ", ".join(path.name for path in save_plots({label: (log, report)}, folder, overwrite))
     sys.stderr.write(f"plots written to {folder}: {names}\n")

@@ -1,0 +1,1 @@
+"""Figures of sessions as pictures: events of all iterations, the robot's timing, topology graphs, delays by part."""
