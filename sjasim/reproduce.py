@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
 
-from .commands.flags import Metavar
+from .commands.flags import INLINE, Metavar
 from .commands.main import main
 from .commands.options import parse
-from .commands.progress import progress_reporter
 from .record.atomic_folder import check_target
-from .studies import reproduction_report as report
-from .studies.second_studies import reproduce
+from .studies.reproduction import ReproductionOptions, reproduce
+from .studies.reproduction_report import FILE
 
 ABOUT = "Simulate a published study many times, and compare its values with those that people produced."
 
@@ -26,17 +25,16 @@ class Options:
     """Options of this command.
 
     Attributes:
-        study: ashle: tasks that show people's pull to their spontaneous tempo.
-        studies: number of simulated studies.
-        seed: seed of all random numbers.
+        study: paper: the study of Iqbal, Rack and Riek; ashle: tasks that show people's pull to their spontaneous
+            tempo.
+        simulated: what is simulated.
         out: folder to write reproduce.json to; it must be new or empty.
         overwrite: replace an earlier report.
         json: print reproduce.json on stdout, and nothing else.
     """
 
-    study: Annotated[tyro.conf.Positional[Literal["ashle"]], Metavar("STUDY")]
-    studies: int = 1000
-    seed: int = 0
+    study: Annotated[tyro.conf.Positional[Literal["paper", "ashle"]], Metavar("STUDY")] = "paper"
+    simulated: Annotated[ReproductionOptions, INLINE] = field(default_factory=ReproductionOptions)
     out: Annotated[Path | None, Metavar("DIR")] = None
     overwrite: bool = False
     json: bool = False
@@ -46,12 +44,11 @@ def command(arguments: Sequence[str], program: str = "python -m sjasim.reproduce
     """Simulate the study, print its values beside people's, and write them if a folder is named."""
     options = parse(Options, arguments, None, program, ABOUT)
     if options.out is not None:
-        check_target(options.out, options.overwrite, holds=report.FILE)
-    with progress_reporter("simulating") as progress:
-        found = reproduce(options.study, options.studies, options.seed, progress.simulating)
-    report.print_report(found, options.json)
+        check_target(options.out, options.overwrite, holds=FILE)
+    found = reproduce(options.study, options.simulated)
+    found.print(options.json)
     if options.out is not None:
-        report.save_report(found, options.out, options.overwrite)
+        found.save(options.out, options.overwrite)
         sys.stderr.write(f"report written to {options.out}\n")
 
 

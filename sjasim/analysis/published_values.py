@@ -126,7 +126,7 @@ def _groups_won(studies: StudyArrays) -> Array:
     return np.asarray((means[..., 1] > means[..., 0]).sum(axis=1), dtype=np.float64)
 
 
-def _group_means_correlation(studies: StudyArrays) -> Array:
+def _group_correlation(studies: StudyArrays) -> Array:
     means = studies.gsi.mean(axis=2)
     return np.array([np.corrcoef(of_study.T)[0, 1] for of_study in means])
 
@@ -174,7 +174,7 @@ def _of_method(index: int, method: str) -> list[PublishedValue]:
                    meaning="mean index of iterations 3 and 4 minus that of 1 and 2"),
         per_method("gsi_sd_within_groups", value=float(np.sqrt(gsi.var(axis=1, ddof=1).mean())), role="fitted",
                    compute=partial(_within_groups_sd, method=index), meaning="s.d. of the index within groups"),
-        per_method("gsi_sd_of_group_means", value=float(gsi.mean(axis=1).std(ddof=1)), role="fitted",
+        per_method("gsi_sd_group_means", value=float(gsi.mean(axis=1).std(ddof=1)), role="fitted",
                    compute=partial(_group_means_sd, method=index), meaning="s.d. of the groups' mean indices"),
         per_method("gsi_lowest", value=float(gsi.min()), role="held out", compute=partial(_lowest, method=index),
                    meaning="lowest index of an iteration"),
@@ -205,7 +205,7 @@ def _of_both() -> list[PublishedValue]:
                  meaning="iterations of 36 in which SIA has the higher index"),
         held_out("groups_won", value=float(published.GROUPS_WON[0]), compute=_groups_won,
                  meaning="groups of 9 in which SIA has the higher mean index"),
-        held_out("group_means_correlation", value=float(np.corrcoef(means)[0, 1]), compute=_group_means_correlation,
+        held_out("group_correlation", value=float(np.corrcoef(means)[0, 1]), compute=_group_correlation,
                  meaning="correlation of the groups' mean indices under the two methods"),
         held_out("wilcoxon_z", value=published.WILCOXON_Z, compute=partial(_signed_rank, name="z"),
                  meaning="signed-rank statistic of timing appropriateness, SIA against ECA"),

@@ -32,6 +32,7 @@ import dataclasses
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol, runtime_checkable
+from weakref import WeakSet
 
 import numpy as np
 
@@ -49,6 +50,10 @@ HOOKS = {
     "on_timer": ("t_s",),
 }
 """Methods that every anticipation method has, and their arguments."""
+
+
+_CHECKED_CLASSES: WeakSet[type] = WeakSet()
+"""Classes of methods whose hooks accept their arguments."""
 
 
 @runtime_checkable
@@ -122,8 +127,11 @@ def build_method(name: str, options: Mapping[str, float | int | bool | str] | No
     if not isinstance(method, Method):
         missing = [hook for hook in HOOKS if not callable(getattr(method, hook, None))]
         raise PluginError(f"anticipation {name!r} lacks {', '.join(missing)}")
-    for hook, arguments in HOOKS.items():
-        _check_signature(f"{name}.{hook}", getattr(method, hook), arguments)
+    # Once for each class is enough, and inspecting signatures takes as long as many events.
+    if type(method) not in _CHECKED_CLASSES:
+        for hook, arguments in HOOKS.items():
+            _check_signature(f"{name}.{hook}", getattr(method, hook), arguments)
+        _CHECKED_CLASSES.add(type(method))
     return method
 
 

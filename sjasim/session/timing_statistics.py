@@ -86,6 +86,11 @@ def timing_statistics(name: str, sensing: str, layout: str) -> TimingStatistics:
     Raises:
         ConfigError: the file cannot be read, or lacks a table or a value; the message names it.
     """
+    return _shared_statistics(name, sensing, layout) if name == MEASURED else _statistics_of(name, sensing, layout)
+
+
+def _statistics_of(name: str, sensing: str, layout: str) -> TimingStatistics:
+    """Read the statistics of a file; see `timing_statistics`."""
     data = _read(name)
     where = f"timing.statistics ({name})"
     sensing_table = data.get(sensing)
@@ -101,7 +106,10 @@ def timing_statistics(name: str, sensing: str, layout: str) -> TimingStatistics:
     )
 
 
-@cache
+_shared_statistics = cache(_statistics_of)
+"""The statistics that ship with sjasim, which sessions share."""
+
+
 def _read(name: str) -> Mapping[str, Any]:
     """Content of a file of statistics."""
     try:

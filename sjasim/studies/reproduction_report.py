@@ -84,6 +84,26 @@ class Reproduction:
             **self.details,
         }
 
+    def print(self, json_only: bool) -> None:
+        """Print a table for each role and a summary on stdout, or reproduce.json and nothing else."""
+        if json_only:
+            sys.stdout.write(as_json(self.content()))
+            return
+
+        for role in ROLES:
+            own = [row for row in self.rows if row.role == role]
+            if own:
+                print_table(COLUMNS, table_rows(own), title=f"{role} values of {self.study}", left=(0, 1))
+        sys.stdout.write(f"{summary(self.rows)}\n")
+
+    def save(self, folder: Path, overwrite: bool) -> None:
+        """Write reproduce.json to a folder.
+
+        Raises:
+            RecordError: the folder cannot be written.
+        """
+        save_content(self.content(), folder, overwrite)
+
 
 def table_rows(rows: Sequence[ReproducedValue]) -> list[tuple[str, ...]]:
     """Cells of the rows' table, in the order of `COLUMNS`."""
@@ -108,31 +128,19 @@ def summary(rows: Sequence[ReproducedValue]) -> str:
     return f"inside: {', '.join(counts)} values"
 
 
-def print_report(found: Reproduction, json_only: bool) -> None:
-    """Print a table for each role and a summary on stdout, or reproduce.json and nothing else."""
-    if json_only:
-        sys.stdout.write(_as_json(found))
-        return
-
-    for role in ROLES:
-        own = [row for row in found.rows if row.role == role]
-        if own:
-            print_table(COLUMNS, table_rows(own), title=f"{role} values of {found.study}", left=(0, 1))
-    sys.stdout.write(f"{summary(found.rows)}\n")
-
-
-def save_report(found: Reproduction, folder: Path, overwrite: bool) -> None:
+def save_content(content: Mapping[str, Any], folder: Path, overwrite: bool) -> None:
     """Write reproduce.json to a folder.
 
     Raises:
         RecordError: the folder cannot be written.
     """
     with atomic_folder(check_target(folder, overwrite, holds=FILE), overwrite) as draft:
-        (draft / FILE).write_text(_as_json(found), encoding="utf-8")
+        (draft / FILE).write_text(as_json(content), encoding="utf-8")
 
 
-def _as_json(found: Reproduction) -> str:
-    return json.dumps(found.content(), indent=1, allow_nan=False) + "\n"
+def as_json(content: Mapping[str, Any]) -> str:
+    """Text of reproduce.json."""
+    return json.dumps(content, indent=1, allow_nan=False) + "\n"
 
 
 def _figure(value: float) -> str:

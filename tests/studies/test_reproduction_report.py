@@ -8,7 +8,7 @@ import pytest
 
 from sjasim.commands.main import main
 from sjasim.reproduce import command
-from sjasim.studies.reproduction_report import ReproducedValue, Reproduction, print_report, save_report, summary
+from sjasim.studies.reproduction_report import ReproducedValue, Reproduction, summary
 
 
 def value(people: float, role="fitted") -> ReproducedValue:
@@ -24,7 +24,7 @@ def test_a_value_is_inside_its_interval_ends_included():
 
 
 def test_the_printed_report_fits_a_terminal_and_tells_fitted_from_held_out(capsys):
-    print_report(Reproduction("somebody's", {"seed": 1}, ROWS), False)
+    Reproduction("somebody's", {"seed": 1}, ROWS).print(False)
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 80
     titles = [line.strip() for line in lines if line.strip().endswith("somebody's")]
@@ -33,8 +33,8 @@ def test_the_printed_report_fits_a_terminal_and_tells_fitted_from_held_out(capsy
 
 def test_json_is_the_same_on_stdout_and_in_the_folder(tmp_path, capsys):
     found = Reproduction("somebody's", {"seed": 1}, ROWS, {"players": [3]})
-    print_report(found, True)
-    save_report(found, tmp_path / "out", False)
+    found.print(True)
+    found.save(tmp_path / "out", False)
     printed = capsys.readouterr().out
     assert printed == (tmp_path / "out" / "reproduce.json").read_text()
 
@@ -56,9 +56,11 @@ def test_json_is_the_same_on_stdout_and_in_the_folder(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        ([], "STUDY is missing"),
         (["choir"], "choir"),
-        (["ashle", "--studies", "3"], "studies = 3 is not allowed: at least 20"),
+        (["ashle", "--studies", "3"], "studies = 3 is not allowed"),
+        (["ashle", "--humans", "musicians"], "only with the study paper"),
+        (["--humans", "nobody", "--studies", "20"], "nobody"),
+        (["--fidelity", "exact"], "timing"),
     ],
 )
 def test_bad_input_gives_one_line_and_2(arguments, says, capsys):

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -116,8 +117,8 @@ class EnsembleTiming:
         self._dancers = dancers
         self._rng = performance
 
-        self._phase_gains = np.eye(dancers) - parameters.transition_matrix(dancers)
-        self._period_gains = parameters.period_gains(dancers)
+        self._phase_gains, self._period_gains = _gains(parameters, dancers)
+        self._corrects_period = bool(self._period_gains.any())
         self._robot_coupling = parameters.per_dancer("robot_coupling", dancers, 0.0)
         self._late_s = parameters.per_dancer("late_s", dancers, 0.0)
         self._drift = parameters.per_dancer("drift", dancers, 0.0)
@@ -277,7 +278,7 @@ class EnsembleTiming:
         Source: vandersteen2013 (period correction).
         """
         state = self._state
-        if ordinal == 0:
+        if ordinal == 0 or not self._corrects_period:
             return np.zeros(self._dancers)
 
         first = max(ordinal - 2, 0)
@@ -336,6 +337,16 @@ class EnsembleTiming:
         for k in range(1, len(noise)):
             shift[k] = rho * shift[k - 1] + np.sqrt(1.0 - rho**2) * noise[k]
         return shift
+
+
+@lru_cache(maxsize=256)
+def _gains(parameters: TimingParameters, dancers: int) -> tuple[Array, Array]:
+    """(D, D) gains of phase correction and of period correction, which groups with the same parameters share."""
+    phase = np.eye(dancers) - parameters.transition_matrix(dancers)
+    period = parameters.period_gains(dancers)
+    phase.flags.writeable = False
+    period.flags.writeable = False
+    return phase, period
 
 
 def _tempo_error(nominal_s: Array, beats: Array, anticipation: float) -> Array:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tomli_w
 
 from ...core import Array
 from ...core.errors import ConfigError, UnknownNameError
@@ -254,6 +255,7 @@ def preset_names() -> tuple[str, ...]:
     return tuple(_presets())
 
 
+@cache
 def preset(name: str) -> TimingParameters:
     """Parameters of a preset.
 
@@ -312,6 +314,13 @@ def read_parameters(path: Path) -> TimingParameters:
         raise ConfigError("humans", str(path), f"a TOML file ({error})") from error
 
     return _parameters(data, f"humans ({path})")
+
+
+def parameters_toml(parameters: TimingParameters) -> str:
+    """Text of a parameter file, without the fields that have their default."""
+    default = TimingParameters()
+    values = {field.name: getattr(parameters, field.name) for field in fields(TimingParameters)}
+    return tomli_w.dumps({name: value for name, value in values.items() if value != getattr(default, name)})
 
 
 def _parameters(data: Mapping[str, Any], where: str) -> TimingParameters:
