@@ -20,7 +20,7 @@ from scipy.optimize import minimize
 from sjasim.analysis.published_values import PUBLISHED, study_arrays
 from sjasim.humans.timing.parameters import TimingParameters, parameters_toml, preset
 from sjasim.studies.paper_reproduction import HYPOTHESES, study_design
-from sjasim.studies.reproduction import ReproductionOptions
+from sjasim.studies.reproduction_options import ReproductionOptions
 from sjasim.studies.study_execution import run_study
 
 FREE = {

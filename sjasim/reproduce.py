@@ -14,7 +14,8 @@ from .commands.flags import INLINE, Metavar
 from .commands.main import main
 from .commands.options import parse
 from .record.atomic_folder import check_target
-from .studies.reproduction import ReproductionOptions, reproduce
+from .studies.reproduction import reproduce
+from .studies.reproduction_options import ReproductionOptions
 from .studies.reproduction_report import FILE
 
 ABOUT = "Simulate a published study many times, and compare its values with those that people produced."

@@ -15,7 +15,7 @@ from ..commands.tables import print_table
 from ..config import SessionConfig
 from ..core import Array
 from .paper_findings import findings
-from .reproduction import PAPER, ReproductionOptions
+from .reproduction_options import PAPER, ReproductionOptions
 from .reproduction_report import as_json, save_content
 from .study_design import StudyDesign
 from .study_execution import run_study

@@ -27,7 +27,7 @@ TEMPLATES = {
     "sensor": "perfect_sensor:PerfectSensor",
 }
 
-QUICK = SessionConfig(sensing="joints", iterations=1)
+QUICK = SessionConfig(humans="musicians", sensing="joints", iterations=1)
 
 
 @pytest.fixture(autouse=True)

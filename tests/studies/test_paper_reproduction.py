@@ -12,7 +12,7 @@ from sjasim.commands.main import main
 from sjasim.reproduce import command
 from sjasim.studies import paper_findings
 from sjasim.studies.paper_reproduction import HYPOTHESES, PaperReproduction, study_design, summary, value_rows
-from sjasim.studies.reproduction import ReproductionOptions
+from sjasim.studies.reproduction_options import ReproductionOptions
 from sjasim.studies.study_design import StudyPlan
 
 RNG = np.random.default_rng(3)

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tomli_w
 
+from ...config.toml_file import plain_to_toml
 from ...core import Array
 from ...core.errors import ConfigError, UnknownNameError
 
@@ -320,7 +320,7 @@ def parameters_toml(parameters: TimingParameters) -> str:
     """Text of a parameter file, without the fields that have their default."""
     default = TimingParameters()
     values = {field.name: getattr(parameters, field.name) for field in fields(TimingParameters)}
-    return tomli_w.dumps({name: value for name, value in values.items() if value != getattr(default, name)})
+    return plain_to_toml({name: value for name, value in values.items() if value != getattr(default, name)})
 
 
 def _parameters(data: Mapping[str, Any], where: str) -> TimingParameters:
