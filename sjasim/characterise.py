@@ -14,7 +14,6 @@ from .commands.session_options import parse_session
 from .config import SessionConfig
 from .record.atomic_folder import check_target
 from .studies import characterisation as study
-from .studies.characterisation_page import page
 
 ABOUT = "Measure how well joints are tracked, events detected and commands executed, over several sessions."
 
@@ -29,7 +28,7 @@ class Options:
     Attributes:
         session: what all sessions have in common.
         design: which sessions are simulated.
-        out: folder to write characterise.json and a page to; it must be new or empty.
+        out: folder to write characterise.json and report.html to; it must be new or empty.
         overwrite: replace an earlier report.
         json: print characterise.json on stdout, and nothing else.
         config: TOML file with fields of the sessions' configuration; flags override it.
@@ -53,7 +52,7 @@ def command(arguments: Sequence[str], program: str = "python -m sjasim.character
     if options.out is not None:
         study.save_report(report, options.out, options.overwrite)
         sys.stderr.write(f"report written to {options.out}\n")
-    sys.stdout.write(study.as_json(report) if options.json else page(report))
+    study.print_report(report, options.json)
 
 
 if __name__ == "__main__":

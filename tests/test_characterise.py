@@ -29,9 +29,9 @@ def test_a_tiny_run_leaves_numbers_and_a_page(tmp_path, capsys):
     assert 0.7 < seen["tracked"] <= 1.0
     assert 0.005 < seen["median_m"] < 0.03
     assert seen["astray"] < 0.001
-    page = (folder / "characterise.md").read_text()
-    assert "| start_forward" in page
-    assert "| astray" in page
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "The detectors find nearly all events" in page
+    assert f"{100 * by_kind[ALL]['recall']:.1f} %" in page
     assert main(characterise.command, [*TINY, "--out", str(folder)]) == 2
     said = capsys.readouterr().err
     assert "--overwrite" in said

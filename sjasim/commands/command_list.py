@@ -8,6 +8,7 @@ COMMANDS = {
     "run": "simulate one session and print its figures",
     "study": "simulate many groups and compare methods",
     "view": "show a recorded session in the rerun viewer",
+    "report": "write one HTML page about a study, a session or another result",
     "export": "write a recorded session as ROS 2 messages (MCAP) or CSV tables",
     "detect": "detect events in recorded joints",
     "calibrate": "fit the human timing model to recorded groups",

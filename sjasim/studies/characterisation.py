@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,10 +16,9 @@ from ..commands.progress import progress_bar
 from ..config import SessionConfig
 from ..config.toml_file import to_plain
 from ..core.errors import ConfigError
-from .characterisation_page import page
 
 FILE = "characterise.json"
-PAGE = "characterise.md"
+"""Name of the file with the figures."""
 
 
 @dataclass(frozen=True)
@@ -137,13 +137,28 @@ def as_json(report: Mapping[str, Any]) -> str:
 
 
 def save_report(report: Mapping[str, Any], folder: Path, overwrite: bool) -> None:
-    """Write characterise.json and characterise.md to a folder, both or none.
+    """Write characterise.json and its page, report.html, to a folder, both or none.
 
     Raises:
         RecordError: the folder cannot be written.
     """
     from ..record.atomic_folder import atomic_folder, check_target
+    from .report.folders import write_report
 
     with atomic_folder(check_target(folder, overwrite, holds=FILE), overwrite) as draft:
         (draft / FILE).write_text(as_json(report), encoding="utf-8")
-        (draft / PAGE).write_text(page(report), encoding="utf-8")
+        write_report(draft)
+
+
+def print_report(report: Mapping[str, Any], json_only: bool) -> None:
+    """Print the report as JSON, or its verdict and a table of the regular events for each source of skeletons."""
+    from ..commands.tables import print_table
+    from .report.characterisation_page import event_tables, verdict
+
+    if json_only:
+        sys.stdout.write(as_json(report))
+        return
+    for sentence in verdict(report):
+        sys.stdout.write(f"{sentence}\n")
+    for table in event_tables(report):
+        print_table(table.head, [[str(cell.text) for cell in row] for row in table.rows], title=table.caption)

@@ -64,12 +64,14 @@ OWNERS = {
     "distributed": ("studies.backends.dask_workers",),
     "ray": ("studies.backends.ray_workers",),
     "tomli_w": ("config.toml_file",),
+    "jinja2": ("studies.report",),
+    "markupsafe": ("studies.report",),
 }
 """Library -> the rooms or modules that may import it."""
 
 HEAVY = (
     "mujoco", "rerun", "matplotlib", "scipy.stats", "numba", "dm_control", "mcap", "mcap_ros2", "imageio_ffmpeg",
-    "joblib", "distributed", "ray",
+    "joblib", "distributed", "ray", "jinja2",
 )  # fmt: skip
 
 
