@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""Measure how often each test rejects in studies without a difference: a table of shares, which should be 5 %.
+
+python scripts/type_one_error.py --studies 500 --groups 9
+python scripts/type_one_error.py --studies 500 --groups 9 --method eca --humans paper-warmup --jobs 2
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from sjasim.analysis.error_rates import RECOMMENDED, rejection_shares
+from sjasim.config import SessionConfig
+from sjasim.studies.null_studies import null_studies
+
+LIMITS = (0.03, 0.07)
+"""Allowed shares of the recommended test at level .05."""
+
+
+def main() -> int:
+    """Simulate the studies, print the table, and return 1 if the recommended test misses the limits."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--studies", type=int, default=500)
+    parser.add_argument("--groups", type=int, default=9)
+    parser.add_argument("--method", default="sia")
+    parser.add_argument("--humans", default="paper-entrainment")
+    parser.add_argument("--seed", type=int, default=1_000_000, help="seed of the first group")
+    parser.add_argument("--jobs", type=int, default=1)
+    options = parser.parse_args()
+
+    config = SessionConfig(method=options.method, humans=options.humans, fidelity="timing", seed=options.seed)
+    found = null_studies(config, options.studies, options.groups, options.jobs)
+    rng = np.random.default_rng(options.seed)
+    table = Table(title=f"{options.studies} studies of {options.groups} groups without a difference, level .05")
+    for column in ("measure", "test", "rejects", "95 % interval"):
+        table.add_column(column)
+
+    met = True
+    for measure, values in (("TA", found.ta_s), ("GSI", found.gsi)):
+        for test, row in rejection_shares(values, rng).items():
+            # An index has one value for each iteration, so the iterations are its events.
+            if measure == "GSI" and test.startswith("events"):
+                continue
+            table.add_row(measure, test, f"{row['share']:.3f}", f"{row['low']:.3f} to {row['high']:.3f}")
+            met = met and (test != RECOMMENDED or LIMITS[0] <= row["share"] <= LIMITS[1])
+    Console().print(table)
+    return 0 if met else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
