@@ -90,7 +90,7 @@ def power_curve(
     pool = np.asarray(differences, dtype=np.float64)
     if len(pool) < max(sizes):
         raise ConfigError("pool", len(pool), f"at least as many groups as a study, {max(sizes)}")
-    if pool.std() == 0.0:
+    if np.ptp(pool) == 0.0:
         raise ConfigError("differences", float(pool[0]), "differences that vary between groups")
     shifted = pool if effect is None else pool - pool.mean() + effect
 

@@ -14,6 +14,7 @@ COMMANDS = {
     "calibrate": "fit the human timing model to recorded groups",
     "characterise": "measure the accuracy of the detectors and of the robot",
     "reproduce": "simulate a published study and compare its values with people's",
+    "power": "compute how many groups a study needs",
     "benchmark": "measure the computing time of sessions and environments",
 }
 """Name -> what the command does, in one line. ``sjasim NAME`` is ``python -m sjasim.NAME``."""
