@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 
 import numpy as np
+from joblib import Parallel, delayed
 from rich.console import Console
 from rich.table import Table
 
@@ -34,14 +36,20 @@ def main() -> int:
     options = parser.parse_args()
 
     config = SessionConfig(method=options.method, humans=options.humans, fidelity="timing", seed=options.seed)
-    found = null_studies(config, options.studies, options.groups, options.jobs)
+    seeds = range(options.seed, options.seed + options.studies * options.groups, options.groups)
+    one = delayed(null_studies)
+    parts = Parallel(n_jobs=options.jobs)(one(replace(config, seed=seed), 1, options.groups) for seed in seeds)
+    measured = {
+        "TA": np.concatenate([part.ta_s for part in parts]),
+        "GSI": np.concatenate([part.gsi for part in parts]),
+    }
     rng = np.random.default_rng(options.seed)
     table = Table(title=f"{options.studies} studies of {options.groups} groups without a difference, level .05")
     for column in ("measure", "test", "rejects", "95 % interval"):
         table.add_column(column)
 
     met = True
-    for measure, values in (("TA", found.ta_s), ("GSI", found.gsi)):
+    for measure, values in measured.items():
         for test, row in rejection_shares(values, rng).items():
             # An index has one value for each iteration, so the iterations are its events.
             if measure == "GSI" and test.startswith("events"):

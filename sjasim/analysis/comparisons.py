@@ -27,7 +27,7 @@ def compare_conditions(
     """Compare every pair of conditions in every measure.
 
     Sessions without a robot are compared in the dancers' synchrony alone. Where a design has factors, two conditions
-    are compared if they differ in the method alone or in one factor alone.
+    are compared if they differ in the method alone or in one factor alone, and if at least one group danced both.
 
     Args:
         tables: one study.
@@ -43,7 +43,8 @@ def compare_conditions(
     for measure in MEASURES:
         names = tuple(conditions) if measure == "gsi_humans" else robotic
         values = group_values(tables, measure, names)
-        compared = [(pair, compare_groups(values, pair, rng)) for pair in _pairs(tables, names)]
+        pairs = [pair for pair in comparable_pairs(tables, names) if len(values.pairs(*pair))]
+        compared = [(pair, compare_groups(values, pair, rng)) for pair in pairs]
 
         p = np.array([entry["p"] for _, entry in compared], dtype=np.float64)
         for (pair, entry), adjusted in zip(compared, adjust_p(p, adjustment).tolist(), strict=True):
@@ -84,8 +85,13 @@ def compare_groups(values: PairedValues, pair: Pair, rng: np.random.Generator) -
     }
 
 
-def _pairs(tables: StudyTables, conditions: Iterable[str]) -> list[Pair]:
-    """Pairs of conditions that differ in one thing: the method, or one factor."""
+def comparable_pairs(tables: StudyTables, conditions: Iterable[str]) -> list[Pair]:
+    """Return the pairs of conditions that differ in one thing: the method, or one factor.
+
+    Args:
+        tables: one study.
+        conditions: names of the conditions, in order.
+    """
     names = list(conditions)
     levels = _levels(tables)
     return [

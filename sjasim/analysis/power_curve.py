@@ -192,7 +192,8 @@ def _equivalent_studies(drawn: IntArray, rejected: Array, influence: Array) -> f
     The variance follows from the variation of the influence between groups (the infinitesimal jackknife), less what
     the finite number of drawn studies adds to it.
     """
-    studies, size = drawn.shape
+    studies = len(drawn)
+    size = int(drawn.shape[1])
     pool = len(influence)
     apart = pool / size
     share = float(rejected.mean())
@@ -203,7 +204,7 @@ def _equivalent_studies(drawn: IntArray, rejected: Array, influence: Array) -> f
     inclusions = studies / apart
     noise = size**2 * binomial / inclusions * (pool / max(pool - size, 1)) ** 2
     between = max(float(np.mean(influence**2)) - noise, 0.0) / pool
-    return float(np.clip(binomial / (between + binomial / studies), apart, studies))
+    return min(max(binomial / (between + binomial / studies), apart), float(studies))
 
 
 def _first_reaching(curve: Sequence[PowerPoint], values: Sequence[float], target: float) -> int | None:

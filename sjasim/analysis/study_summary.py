@@ -12,7 +12,7 @@ import numpy as np
 
 from ..core import Array
 from ..core.errors import ConfigError
-from .comparisons import compare_conditions
+from .comparisons import comparable_pairs, compare_conditions
 from .event_rows import event_rows
 from .json_data import without_nan
 from .paired_intervals import RESAMPLES, mean_interval
@@ -104,7 +104,7 @@ def study_summary(
             "seed": seed,
         },
         "replications": replication_figures(tables, robotic) if len(studies) > 1 else None,
-        "notices": notices,
+        "notices": [*notices, *_pairing_notices(one, names)],
     }
     plain = without_nan(content)
     assert isinstance(plain, dict)
@@ -242,6 +242,17 @@ def chance_levels(
         if len(rows.row_of) < agents:
             notices.append(f"{name}: {len(rows.row_of)} groups are too few for pseudo-groups of {agents} agents")
     return levels, notices
+
+
+def _pairing_notices(tables: StudyTables, conditions: Sequence[str]) -> list[str]:
+    """A sentence if conditions that differ in one thing alone have different groups, so that nothing is paired."""
+    groups = group_values(tables, "gsi_humans", conditions)
+    apart = [pair for pair in comparable_pairs(tables, conditions) if not len(groups.pairs(*pair))]
+    if not apart:
+        return []
+    return [
+        f"no group danced both: {len(apart)} pairs of conditions are not compared, such as {' and '.join(apart[0])}"
+    ]
 
 
 def _steps_of(tables: StudyTables, condition: str) -> Array:

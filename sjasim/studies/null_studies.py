@@ -30,19 +30,16 @@ class NullStudies(NamedTuple):
     ta_s: Array
 
 
-def null_studies(config: SessionConfig, studies: int, groups: int, jobs: int = 1) -> NullStudies:
+def null_studies(config: SessionConfig, studies: int, groups: int) -> NullStudies:
     """Simulate studies without a difference.
 
     Args:
         config: session of every group; its seed is the first group's, and the others follow.
         studies: number of studies.
         groups: number of groups in each.
-        jobs: number of processes.
     """
-    from joblib import Parallel, delayed
-
     seeds = range(config.seed, config.seed + studies * groups)
-    found = Parallel(n_jobs=jobs)(delayed(_group)(replace(config, seed=seed)) for seed in seeds)
+    found = [_group(replace(config, seed=seed)) for seed in seeds]
     gsi = np.array([group[0] for group in found])
     ta_s = np.array([group[1] for group in found])
     return NullStudies(

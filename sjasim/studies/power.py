@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -151,7 +151,7 @@ def power(design: PowerDesign, study: Path | None = None, config: Path | None = 
 
     content = {
         "schema": SCHEMA,
-        "design": to_plain(design),
+        "design": without_nan(asdict(design)),
         "study": None if study is None else str(study),
         "test": TEST,
         "effect": _effect(differences, design, rng),

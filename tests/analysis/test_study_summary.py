@@ -108,6 +108,20 @@ def test_the_order_of_conditions_can_be_chosen_and_turns_differences(study):
         study_summary(study, ("march",))
 
 
+def test_conditions_are_compared_if_they_differ_in_one_thing_and_have_groups_in_common(study):
+    names = study.sessions["condition"].copy()
+    tempo = np.where(study.sessions["group"] <= 6, 100.0, 118.0)
+    conditions = np.array([f"{name} dance.bpm={bpm:g}" for name, bpm in zip(names, tempo, strict=True)], dtype=object)
+    sessions = {**study.sessions, "condition": conditions, "factor.dance.bpm": tempo}
+    summary = study_summary(dataclasses.replace(study, sessions=sessions))
+    pairs = [(row["first"], row["second"]) for row in summary["comparisons"] if row["measure"] == "gsi"]
+    assert pairs == [
+        ("eca dance.bpm=100", "sia dance.bpm=100"),
+        ("eca dance.bpm=118", "sia dance.bpm=118"),
+    ]
+    assert any("3 pairs of conditions are not compared" in line for line in summary["notices"])
+
+
 def test_replications_are_summarised_over_studies():
     many = nested_study(np.random.default_rng(2), groups=3, studies=20)
     summary = study_summary(many)
