@@ -11,7 +11,6 @@ from typing import Annotated
 from .commands.flags import INLINE, Metavar
 from .commands.main import main
 from .commands.options import parse
-from .record.atomic_folder import check_target
 from .studies import power as study
 
 ABOUT = "Compute how many groups a study needs to find a difference between two methods, by simulation."
@@ -25,7 +24,7 @@ class Options:
         design: what is compared.
         study: folder of a study whose groups are used; without it groups are simulated.
         jobs: number of processes; 0 for one per core.
-        out: folder to write power.json to; it must be new or empty.
+        out: folder to write power.json to; the folder of a study is one, and its report then shows the power.
         overwrite: replace an earlier report.
         json: print power.json on stdout, and nothing else.
         config: TOML file with the common configuration of the sessions.
@@ -44,10 +43,10 @@ def command(arguments: Sequence[str], program: str = "python -m sjasim.power") -
     """Simulate the groups, write the report if a folder is named, and print it."""
     options = parse(Options, arguments, None, program, ABOUT)
     if options.out is not None:
-        check_target(options.out, options.overwrite, holds=study.FILE)
+        study.check_folder(options.out, options.overwrite)
     report = study.power(options.design, options.study, options.config, options.jobs)
     if options.out is not None:
-        study.save_power(report, options.out, options.overwrite)
+        study.save_power(report, options.out)
         sys.stderr.write(f"report written to {options.out}\n")
     if options.json:
         sys.stdout.write(study.as_json(report))

@@ -46,6 +46,7 @@ def compare_conditions(
         pairs = [pair for pair in comparable_pairs(tables, names) if len(values.pairs(*pair))]
         compared = [(pair, compare_groups(values, pair, rng)) for pair in pairs]
 
+        # A family of comparisons is all pairs in one measure.
         p = np.array([entry["p"] for _, entry in compared], dtype=np.float64)
         for (pair, entry), adjusted in zip(compared, adjust_p(p, adjustment).tolist(), strict=True):
             named = {"measure": measure, "first": pair[0], "second": pair[1]}
@@ -69,6 +70,7 @@ def compare_groups(values: PairedValues, pair: Pair, rng: np.random.Generator) -
     pairs = values.pairs(*pair)
     differences = pairs[:, 1] - pairs[:, 0]
     mean = sign_flip_interval(differences, rng)
+    # The two intervals differ if the differences are skewed: only the first one agrees with the test.
     bootstrap = mean_interval(differences, rng)
     return {
         "groups": len(differences),
@@ -92,6 +94,7 @@ def comparable_pairs(tables: StudyTables, conditions: Iterable[str]) -> list[Pai
         tables: one study.
         conditions: names of the conditions, in order.
     """
+    # Two conditions that differ in more than one thing would not tell which of them makes the difference.
     names = list(conditions)
     levels = _levels(tables)
     return [

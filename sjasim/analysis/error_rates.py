@@ -40,6 +40,7 @@ def rejection_shares(values: Array, rng: np.random.Generator, alpha: float = 0.0
 
 def _group_differences(values: Array) -> Array:
     """(S, G) differences of the group means over finite values, second method minus first."""
+    # One value per group and method: what happens within a session does not count as evidence of its own.
     means = np.nanmean(values, axis=(3, 4))
     return np.asarray(means[:, :, 1] - means[:, :, 0])
 
@@ -72,6 +73,7 @@ def _pooled_ranks(values: Array) -> Array:
     """(S,) probability of the signed-rank test that takes all values of a study as independent."""
     found = []
     for study in values:
+        # (groups, iterations, steps, 2): pairs of the same group, iteration and step.
         pairs = np.moveaxis(study, 1, -1).reshape(-1, 2)
         pairs = pairs[np.isfinite(pairs).all(axis=1)]
         found.append(signed_rank(pairs[:, 0], pairs[:, 1]).p)

@@ -70,6 +70,7 @@ def event_rows(tables: StudyTables, condition: str, tau_s: float = 0.25) -> Even
     agents = dancers + has_robot
     column = np.where(agent == 0, dancers, agent - 1)
     row = row_of[np.searchsorted(session, own.events["session"]), np.searchsorted(iteration, own.events["iteration"])]
+    # Series are numbered by iteration, then agent, so that a sort makes their events contiguous.
     series = row * agents + column
     times_us = microseconds(np.asarray(own.events["t_s"], dtype=np.float64))
     order = np.lexsort((times_us, series))

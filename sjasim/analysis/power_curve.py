@@ -125,6 +125,7 @@ def partitions(pool: int, size: int, rng: np.random.Generator, studies: int) -> 
     Returns:
         (S, n) groups of each study. Every N // n successive studies, one partition, have no group in common.
     """
+    # A partition uses nearly every group once, which spreads the studies evenly over the pool.
     at_once = pool // size
     count = -(-studies // at_once)
     return np.concatenate([rng.permutation(pool)[: at_once * size] for _ in range(count)]).reshape(-1, size)
@@ -209,6 +210,7 @@ def _equivalent_studies(drawn: IntArray, rejected: Array, influence: Array) -> f
 
 def _first_reaching(curve: Sequence[PowerPoint], values: Sequence[float], target: float) -> int | None:
     """Smallest number of groups from which on all values reach the target."""
+    # From the largest number downwards: with few groups the power does not rise at every step.
     needed = None
     for point, value in zip(reversed(curve), reversed(values), strict=True):
         if value < target:

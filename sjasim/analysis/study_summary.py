@@ -82,6 +82,7 @@ def study_summary(
     robotic = conditions_with_robot(one, names)
     rng = np.random.default_rng(seed)
 
+    # The paper's table has the methods alone; sessions without a robot are not part of it.
     iterations = iteration_values(one, "gsi", robotic)
     groups = group_values(one, "gsi", robotic)
     chance, notices = chance_levels(one, names, rng, tau_s)
@@ -128,6 +129,7 @@ def synchrony_figures(tables: StudyTables, index: str, condition: str, rng: np.r
     groups = group_values(tables, index, (condition,)).values[:, 0]
     iterations = iteration_values(tables, index, (condition,))
     values = _finite(iterations.values[:, 0])
+    # The standard deviation is that of iterations, as in the paper; the interval is that of groups.
     mean = mean_interval(groups, rng, CONFIDENCE)
 
     by_iteration = []
@@ -232,6 +234,7 @@ def chance_levels(
             continue
 
         levels[name] = chance_level(rows, rng)
+        # The indices of the real groups must come out as they were measured, or the chance level is another one's.
         difference = float(np.abs(observed_indices(rows).gsi - rows.gsi).max())
         if difference > SAME_INDEX:
             notices.append(

@@ -159,6 +159,7 @@ def chance_level(rows: EventRows, rng: np.random.Generator, draws: int = DRAWS) 
         of real iterations above it. The same for each index and surrogate under ``surrogates``, where a kind that the
         study is too small for is None.
     """
+    # Each replication draws as many surrogate sessions as there are real ones.
     observed = observed_indices(rows)
     replications = -(-draws // max(len(rows.row_of), 1))
     by_surrogate: dict[str, dict[str, dict[str, float]] | None] = {}

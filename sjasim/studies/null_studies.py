@@ -54,6 +54,7 @@ def _group(config: SessionConfig) -> tuple[Array, Array]:
 
     gsi = []
     ta_s = []
+    # The seed determines the persons, the name of the performance what they do.
     for performance in PERFORMANCES:
         session = Session(replace(config, performance=performance))
         session.advance(session.end_s)

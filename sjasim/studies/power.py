@@ -22,10 +22,12 @@ from ..config import SessionConfig
 from ..config.checks import one_of, within
 from ..config.toml_file import read_toml, to_plain
 from ..core import Array
-from ..core.errors import ConfigError
+from ..core.errors import ConfigError, RecordError
+from ..record.atomic_folder import check_file, check_target
 from .dataset import read_study
 from .study_design import StudyDesign
 from .study_execution import run_study
+from .study_folder import write_whole
 
 SCHEMA = 1
 FILE = "power.json"
@@ -96,6 +98,7 @@ class PowerDesign:
         return number
 
     def _published_effect(self) -> float:
+        # Full edges are not published: the paper gives the index under its own edges.
         published = {
             "gsi": {method: float(np.mean(cells)) for method, cells in GSI.items()},
             "ta_mean_s": dict(TA_MEAN_S),
@@ -114,6 +117,7 @@ def simulate_pool(design: PowerDesign, common: SessionConfig, jobs: int = 0) -> 
         common: what all sessions have in common besides.
         jobs: number of processes; 0 for one per core.
     """
+    # Neither sessions without a robot nor events are needed, and the study is not kept on disk.
     study = StudyDesign(
         groups=design.pool,
         methods=design.methods,
@@ -190,6 +194,7 @@ def print_power(report: Mapping[str, Any]) -> None:
     difference = f"{design['measure']}: {second} minus {first} is {effect['difference']:+.3f} ({effect['source']})"
     print(f"{difference}, with a standard deviation of {effect['sd']:.3f} between groups")
 
+    # The report has every number of groups; a terminal has room for some.
     shown = [row for row in report["rows"] if row["groups"] in (*SHOWN, needed, design["max_groups"])]
     cells = ((f"{row['groups']}", f"{row['power']:.3f}", f"{row['low']:.3f} to {row['high']:.3f}") for row in shown)
     print_table(("groups", "power", "95 % interval"), cells)
@@ -206,20 +211,35 @@ def as_json(report: Mapping[str, Any]) -> str:
     return json.dumps(report, indent=1, allow_nan=False) + "\n"
 
 
-def save_power(report: Mapping[str, Any], folder: Path, overwrite: bool) -> None:
-    """Write power.json to a folder, whole or not at all.
+def check_folder(folder: Path, overwrite: bool) -> None:
+    """Check that power.json can be written to a folder: a new one, or an existing one such as that of a study.
+
+    Raises:
+        RecordError: the folder cannot be written, or holds a power.json that may not be replaced.
+    """
+    if folder.expanduser().is_dir():
+        check_file(folder.expanduser() / FILE, overwrite)
+    else:
+        check_target(folder, overwrite, holds=FILE)
+
+
+def save_power(report: Mapping[str, Any], folder: Path) -> None:
+    """Write power.json to a folder, whole or not at all. Beside a study, the study's report shows it.
 
     Raises:
         RecordError: the folder cannot be written.
     """
-    from ..record.atomic_folder import atomic_folder, check_target
-
-    with atomic_folder(check_target(folder, overwrite, holds=FILE), overwrite) as draft:
-        (draft / FILE).write_text(as_json(report), encoding="utf-8")
+    target = folder.expanduser()
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        write_whole(target / FILE, as_json(report).encode())
+    except OSError as error:
+        raise RecordError(f"{target / FILE} cannot be written: {error.strerror or error}") from None
 
 
 def _effect(differences: Array, design: PowerDesign, rng: np.random.Generator) -> dict[str, object]:
     """Effect to find, spread of the groups, and the simulated effect with its interval."""
+    # The spread is always that of the simulated groups, also for an effect that is given.
     given = design.given_effect()
     simulated = mean_interval(differences, rng)
     sd = float(np.std(differences, ddof=1))
