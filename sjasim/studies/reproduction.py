@@ -9,6 +9,9 @@ from ..commands.progress import progress_reporter
 from ..core.errors import ConfigError
 from .reproduction_options import PAPER, ReproductionOptions
 
+FEWEST_STUDIES = 20
+"""Fewest simulated studies; fewer give no interval of 95 %."""
+
 
 class Report(Protocol):
     """Result of a reproduction."""
@@ -37,6 +40,8 @@ def reproduce(study: str, options: ReproductionOptions) -> Report:
         ConfigError: an option has no effect on the study.
         SjasimError: the people do not exist, or a session failed.
     """
+    if options.studies < FEWEST_STUDIES:
+        raise ConfigError("studies", options.studies, f"at least {FEWEST_STUDIES}, for an interval of 95 %")
     if study == PAPER:
         from .paper_reproduction import reproduce_paper
 
