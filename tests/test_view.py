@@ -181,6 +181,27 @@ def test_a_viewer_that_dies_after_its_first_answer_says_why(monkeypatch, words, 
         raise ConnectionError("transport error")
 
 
+@pytest.mark.parametrize("slow_tries", [0, 3, 4])
+def test_a_viewer_that_is_slow_to_draw_is_asked_again(tmp_path, slow_tries):
+    from sjasim.record.rerun import viewer
+
+    class SlowViewer:
+        asked = 0
+
+        def save_screenshot(self, path):
+            self.asked += 1
+            if self.asked <= slow_tries:
+                raise TimeoutError("deadline expired")
+            (tmp_path / "a.png").write_bytes(b"drawn")
+
+    if slow_tries == viewer.DRAWING_TRIES:
+        with pytest.raises(session_folder.RecordError, match="did not draw in time"):
+            viewer._save_screenshot(SlowViewer(), tmp_path / "a.png")
+    else:
+        viewer._save_screenshot(SlowViewer(), tmp_path / "a.png")
+        assert (tmp_path / "a.png").read_bytes() == b"drawn"
+
+
 @pytest.mark.slow
 @NEEDS_VIEWER
 def test_the_viewer_draws_every_view_without_a_display(kept, tmp_path):

@@ -17,8 +17,14 @@ PALETTE = ((165, 165, 165), (60, 150, 220), ORANGE, (0, 158, 115), PURPLE, (230,
 POINT_PLOTS = ("timing", "clocks")
 """Plots whose values are drawn as points, since nothing lies between them."""
 
-WIDE_CURVES = ("total", "gsi")
+WIDE_CURVES = ("total", "gsi_full_edges")
 """Curves that are drawn wider than the others of their plot."""
+
+LABELS = {
+    "gsi": "paper's edges", "gsi_full_edges": "full edges", "gsi_truth": "true onsets, full edges",
+    "total": "in all", "dancer": "followed dancer", "decision": "method", "wheels": "command to motion",
+}  # fmt: skip
+"""Curve -> its label in the legend, where it differs from the name of the curve."""
 
 Curves = dict[str, tuple[list[float], list[float]]]
 """``PLOT/CURVE`` -> session times [s] and values."""
@@ -29,14 +35,15 @@ def send_curves(stream: EntityStream, report: DelayReport) -> None:
     curve_counts: dict[str, int] = {}
 
     for name, (times_s, values) in _curves(report).items():
-        plot, _, label = name.partition("/")
-        colour = PALETTE[curve_counts.get(plot, 0) % len(PALETTE)]
+        plot, _, curve = name.partition("/")
+        colour = _colour(plot, curve, curve_counts.get(plot, 0))
         curve_counts[plot] = curve_counts.get(plot, 0) + 1
+        label = LABELS.get(curve, curve)
 
         if plot in POINT_PLOTS:
             style = rr.SeriesPoints(names=label, colors=[colour], markers="circle", marker_sizes=[3.0])
         else:
-            style = rr.SeriesLines(names=label, colors=[colour], widths=[3.0 if label in WIDE_CURVES else 1.5])
+            style = rr.SeriesLines(names=label, colors=[colour], widths=[3.0 if curve in WIDE_CURVES else 1.5])
         stream.log_static(f"curves/{name}", style)
         stream.send_columns(f"curves/{name}", times_s, rr.Scalars.columns(scalars=values))
 
@@ -88,6 +95,8 @@ def _curves(report: DelayReport) -> Curves:
     for graph in report.graphs:
         for name in ("gsi", "gsi_full_edges", "gsi_truth"):
             _append(curves, f"group/{name}", graph.t_s, getattr(graph, name))
+        for agent, value in zip(graph.agents, graph.individual, strict=True):
+            _append(curves, f"individual/{agent}", graph.t_s, float(value))
         for i, first in enumerate(graph.agents):
             for j in range(i + 1, len(graph.agents)):
                 _append(curves, f"pairs/{first}-{graph.agents[j]}", graph.t_s, float(graph.pairs[i, j]))
@@ -105,6 +114,13 @@ def _curves(report: DelayReport) -> Curves:
             _append(curves, f"clocks/{sensor}", float(t_s), float(error_s) * 1e3)
 
     return curves
+
+
+def _colour(plot: str, curve: str, index: int) -> tuple[int, int, int]:
+    """Colour of a curve: that of the agent where the curve belongs to one, else the next one of the palette."""
+    if plot != "individual":
+        return PALETTE[index % len(PALETTE)]
+    return AMBER if curve == ROBOT else dancer_colour(index)
 
 
 def _append(curves: Curves, name: str, t_s: float, value: float) -> None:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ...core import Array, Kind
+from ...core import ROBOT, Array, Kind
 
 STAGES = ("dancer", "sensor", "detector", "network", "decision", "wheels")
 """Parts of the time between the group's mean time of a step and the robot's motion, in order of cause.
@@ -84,6 +84,15 @@ class Graph:
     gsi_full_edges: float
     gsi_truth: float
 
+    @property
+    def followed(self) -> str:
+        """Whom the robot followed, in a word: a dancer, "nobody" or "everyone"; "" without a robot."""
+        if ROBOT not in self.agents:
+            return ""
+        # The robot has an edge to everyone whom it follows.
+        count = int(self.edges[self.agents.index(ROBOT)].sum())
+        return self.follows or ("everyone" if count == len(self.agents) - 1 else "nobody" if not count else "several")
+
 
 @dataclass(frozen=True, slots=True)
 class DelayReport:
@@ -131,8 +140,7 @@ def as_markdown(report: DelayReport) -> str:
         steps = [step for step in report.steps if step.iteration == graph.iteration]
         counts = {name: sum(classify_step(step) == name for step in steps) for name in TIMING_CLASSES}
         summary = ", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no robot"
-        followed = graph.follows or ("nobody in particular" if steps else "-")
-        lines.append(f"| {graph.iteration} | {followed} | {summary} | {graph.gsi_full_edges:.2f} |")
+        lines.append(f"| {graph.iteration} | {graph.followed or '-'} | {summary} | {graph.gsi_full_edges:.2f} |")
 
     lines.append("")
     for graph in report.graphs:

@@ -7,10 +7,11 @@ sessions has a prefix before each session's entities. The entities are:
   ``name``, ``tether`` (force of the balance support)
 - ``world/robot``, ``world/trail``, ``world/sensors/north``..., ``world/floor``
 - ``lanes/...``: see `timeline.lane_names`
-- ``curves/group``, ``pairs``, ``timing``, ``delay`` [s], ``clocks`` [ms]
+- ``curves/group``, ``individual``, ``pairs``, ``timing``, ``delay`` [s], ``clocks`` [ms]
 - ``graph``: the group topology graph of the last finished iteration
 - ``depth``: depth images of the active sensor, if the session recorded them
 - ``log/decisions``, ``log/notices``, ``story``: texts
+- ``comparison``, without a prefix: a table of differences, and curves ``gsi`` and ``late`` of all sessions
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from ...config.toml_file import from_plain
 from ...core.errors import RecordError
 from ...core.session_log import SessionLog
 from .blueprint import blueprint
+from .comparison import send_comparison
 from .curves import log_static_graph, send_curves, send_graph
 from .entity_stream import EntityStream, Span
 from .explanation import DelayReport, as_markdown
@@ -72,6 +74,10 @@ def save_all(sessions: Mapping[str, tuple[SessionLog, DelayReport | None]], path
             recorder.send(log)
             if report is not None:
                 recorder.finish(report)
+        if len(sessions) > 1:
+            send_comparison(
+                EntityStream(stream), {prefix: report for prefix, (_, report) in sessions.items() if report}
+            )
         stream.flush()
     except RuntimeError as error:
         # rerun has no exception of its own for a file that it cannot write.

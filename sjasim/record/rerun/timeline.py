@@ -14,7 +14,7 @@ import rerun as rr
 from ...assets.colours import dancer_colour
 from ...choreography.timetable import timetable
 from ...config import SessionConfig
-from ...core import ROBOT, Kind, Move, dancer_name
+from ...core import Kind, Move, dancer_name
 from ...core.session_log import SessionLog
 from .entity_stream import AMBER, GREEN, GREY, RED, EntityStream, Span
 from .explanation import DelayReport, classify_step
@@ -27,6 +27,16 @@ DARK_RED = (60, 0, 0)
 
 NO_STATE = "-"
 """State of a lane that shows nothing."""
+
+BRIEF = " (brief)"
+"""End of the name of a state whose bar is too short for its label; the viewer would cut the label."""
+
+PIXELS_PER_S = 58.0
+"""Width of a second of session time in the lanes, in a viewer of 1920 pixels [1/s]; see `blueprint`."""
+
+LETTER_PIXELS = 7.0
+LABEL_MARGIN_PIXELS = 8.0
+"""Mean width of a letter of a label, and what the viewer leaves free beside the label; measured."""
 
 STATE_COLOURS = {
     "forward": BLUE, "backward": ORANGE, "clap": PURPLE, "turn": PURPLE, "stop": GREY,
@@ -41,8 +51,8 @@ EVENT_STATES = {
 }  # fmt: skip
 """Kind of an event -> state that it begins."""
 
-MOMENT_S = 0.5
-"""Length of a bar that stands for a moment [s]."""
+MOMENT_S = 0.65
+"""Length of a bar that stands for a moment, which leaves space for a word of four letters [s]."""
 
 SHORTEST_BAR_S = 0.15
 """Length of the bar for a robot that is exactly on time, so that it can be seen [s]."""
@@ -53,7 +63,8 @@ Mark = tuple[float, float, str]
 
 def lane_names(config: SessionConfig) -> list[str]:
     """Names of all lanes, from top to bottom."""
-    lanes = ["iteration", "active_sensor"]
+    # The viewer sorts lanes by name, and "dance" stands before "dancer_1".
+    lanes = ["dance/active_sensor", "dance/iteration"]
     for index in range(config.dancers):
         lanes += [f"{dancer_name(index)}/planned", f"{dancer_name(index)}/seen"]
     if config.method != "none":
@@ -64,13 +75,17 @@ def lane_names(config: SessionConfig) -> list[str]:
 def log_static_lanes(stream: EntityStream, config: SessionConfig) -> None:
     """Log the colours of every lane's states."""
     dancers = {dancer_name(index): dancer_colour(index) for index in range(config.dancers)}
-    colours = {**STATE_COLOURS, **dancers, "nobody": GREY}
+    colours = {**STATE_COLOURS, **dancers, "nobody": GREY, "everyone": GREY, "several": GREY}
 
     for name in lane_names(config):
         # Iterations and sensors get the viewer's own colours, since their states have no fixed names.
-        states = [NO_STATE] if name in ("iteration", "active_sensor") else list(colours)
-        visible = [state != NO_STATE for state in states]
-        style = rr.StateConfiguration(values=states, colors=[colours[state] for state in states], visible=visible)
+        states = [NO_STATE] if name.startswith("dance/") else list(colours)
+        style = rr.StateConfiguration(
+            values=[*states, *(f"{state}{BRIEF}" for state in states)],
+            labels=[*states, *(" " for _ in states)],
+            colors=2 * [colours[state] for state in states],
+            visible=2 * [state != NO_STATE for state in states],
+        )
         stream.log_static(f"lanes/{name}", style)
 
 
@@ -110,10 +125,10 @@ def _log_marks(log: SessionLog, config: SessionConfig) -> Mapping[str, Sequence[
     table = timetable(config)
     iterations = range(table.first, table.last + 1)
     marks: dict[str, list[Mark]] = {
-        "iteration": [
+        "dance/iteration": [
             (table.start_s(k), table.start_s(k + 1), f"iteration {k}" if k else "rehearsal") for k in iterations
         ],
-        "active_sensor": [(handover.t_s, np.inf, handover.sensor) for handover in log.handovers],
+        "dance/active_sensor": [(handover.t_s, np.inf, handover.sensor) for handover in log.handovers],
     }
 
     for cue in log.cues:
@@ -141,9 +156,9 @@ def _report_marks(report: DelayReport, config: SessionConfig) -> Mapping[str, Se
     """Lane -> marks of the followed dancer, and of every step's timing, from the dancers' time to the robot's."""
     table = timetable(config)
     follows = [
-        (table.start_s(graph.iteration), table.close_s(graph.iteration), graph.follows or "nobody")
+        (table.start_s(graph.iteration), table.close_s(graph.iteration), graph.followed)
         for graph in report.graphs
-        if ROBOT in graph.agents
+        if graph.followed
     ]
 
     timing: list[Mark] = []
@@ -162,15 +177,18 @@ def _event_mark(t_s: float, kind: Kind) -> Mark:
 
 
 def _send_lane(stream: EntityStream, name: str, marks: Iterable[Mark], span: Span) -> None:
-    """Send the marks of one lane that begin in an interval; a mark ends at its end or where the next one begins."""
+    """Send the marks of one lane that begin in an interval; a mark ends at its end or where the next one begins.
+
+    A mark that is too short for its label gets the state's brief variant, which has no label.
+    """
     inside = [mark for mark in sorted(marks) if span.contains(mark[0])]
     times: list[float] = []
     states: list[str] = []
 
     for index, (begin_s, end_s, state) in enumerate(inside):
-        times.append(begin_s)
-        states.append(state)
         next_begin_s = inside[index + 1][0] if index + 1 < len(inside) else np.inf
+        times.append(begin_s)
+        states.append(state if _has_space(state, min(end_s, next_begin_s) - begin_s) else f"{state}{BRIEF}")
         # A mark that ends where the next one begins needs no end: states replace one another.
         if end_s < next_begin_s - 1e-6:
             times.append(end_s)
@@ -178,3 +196,8 @@ def _send_lane(stream: EntityStream, name: str, marks: Iterable[Mark], span: Spa
 
     if times:
         stream.send_columns(f"lanes/{name}", times, rr.StateChange.columns(state=states))
+
+
+def _has_space(label: str, length_s: float) -> bool:
+    """Whether a bar of a length is long enough for its label."""
+    return LETTER_PIXELS * len(label) + LABEL_MARGIN_PIXELS <= PIXELS_PER_S * length_s

@@ -23,6 +23,9 @@ LOCALHOST = "127.0.0.1"
 START_TIMEOUT_S = 30.0
 """Longest time until a new viewer answers, or has opened a recording [s]."""
 
+DRAWING_TRIES = 4
+"""Times that a viewer is asked for a picture; each time, rerun's client waits 15 s for it."""
+
 END_TIMEOUT_S = 5.0
 """Longest time until a viewer that no longer answers has ended [s]."""
 
@@ -102,7 +105,7 @@ def screenshot(recording: Path, picture: Path, t_s: float, size: str = "1920x108
         client.set_time(TIMELINE, duration=t_s, play_state="paused")
         time.sleep(settle_s)
 
-        client.save_screenshot(str(picture.absolute()))
+        _save_screenshot(client, picture)
         return [f"{view.name}: {report}" for view in client.get_state().views for report in view.reports]
 
 
@@ -174,6 +177,20 @@ def check_display(instead: str) -> None:
     """
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise RecordError(f"there is no display for rerun's viewer; {instead}")
+
+
+def _save_screenshot(client: rr.experimental.ViewerClient, picture: Path) -> None:
+    """Save what the viewer shows.
+
+    Raises:
+        RecordError: the viewer has drawn nothing after `DRAWING_TRIES` tries.
+    """
+    for _ in range(DRAWING_TRIES):
+        # Without a graphics card the processor draws, which takes long while it is busy.
+        with contextlib.suppress(TimeoutError):
+            client.save_screenshot(str(picture.absolute()))
+            return
+    raise RecordError("rerun's viewer did not draw in time: is the computer busy? try again")
 
 
 def _lost_connection(process: subprocess.Popen[bytes], output: IO[bytes], error: ConnectionError) -> str:

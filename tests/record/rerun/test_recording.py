@@ -82,7 +82,7 @@ def test_lanes_hold_every_event_of_the_tables(rows, log):
     assert np.allclose(sorted(starts), sorted(logged), atol=1e-6)
     moved = [t_s for t_s, content in rows["/lanes/robot/moved"] if content["state"] != [NO_STATE]]
     assert np.allclose(moved, sorted(event.t_s for event in log.robot_events), atol=1e-6)
-    assert [content["state"] for _, content in rows["/lanes/active_sensor"]] == [["east"], ["north"]]
+    assert [content["state"] for _, content in rows["/lanes/dance/active_sensor"]] == [["east"], ["north"]]
 
 
 def test_balance_support_forces_equal_the_truth_table(rows, log):
@@ -106,7 +106,7 @@ def test_every_view_has_data_at_three_times(rows, path, log):
     assert len(rr.chunk.RrdReader(str(path)).blueprints()) == 1
     wanted = [f"/lanes/{name}" for name in lane_names(config) if "robot/follows" not in name]
     wanted += ["/world/dancer_1/body", "/world/trail", "/curves/delay/total", "/curves/clocks/north"]
-    short = {"/lanes/iteration", "/lanes/active_sensor"}  # two of each in a dance of one iteration
+    short = {"/lanes/dance/iteration", "/lanes/dance/active_sensor"}  # two of each in a dance of one iteration
     missing = [entity for entity in wanted if len(rows.get(entity, ())) < (2 if entity in short else 3)]
     assert not missing
     assert {"/graph/agents", "/log/decisions", "/log/notices", "/world/sensors/west"} <= set(rows)
@@ -120,7 +120,7 @@ def test_humans_only_and_empty_sessions_are_recorded_too(make_session_log, tmp_p
     assert "/world/robot" not in found
     bare = dataclasses.replace(alone, truth={}, events=(), cues=(), decisions=(), notices=())
     recording.save(bare, tmp_path / "b.rrd", DelayReport())
-    assert "/lanes/iteration" in {entity for entity, _ in read_chunks(tmp_path / "b.rrd")}
+    assert "/lanes/dance/iteration" in {entity for entity, _ in read_chunks(tmp_path / "b.rrd")}
 
 
 def test_blocks_add_up_to_the_recording_of_the_whole_session(log, rows, tmp_path):
