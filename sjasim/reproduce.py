@@ -27,14 +27,16 @@ class Options:
 
     Attributes:
         study: paper: the study of Iqbal, Rack and Riek; ashle: tasks that show people's pull to their spontaneous
-            tempo.
+            tempo; quartet: string players with an assigned leader.
+        data: folder with the onsets of the quartet, which you fetch yourself.
         simulated: what is simulated.
         out: folder to write reproduce.json to; it must be new or empty.
         overwrite: replace an earlier report.
         json: print reproduce.json on stdout, and nothing else.
     """
 
-    study: Annotated[tyro.conf.Positional[Literal["paper", "ashle"]], Metavar("STUDY")] = "paper"
+    study: Annotated[tyro.conf.Positional[Literal["paper", "ashle", "quartet"]], Metavar("STUDY")] = "paper"
+    data: Annotated[Path | None, Metavar("DIR")] = None
     simulated: Annotated[ReproductionOptions, INLINE] = field(default_factory=ReproductionOptions)
     out: Annotated[Path | None, Metavar("DIR")] = None
     overwrite: bool = False
@@ -46,7 +48,7 @@ def command(arguments: Sequence[str], program: str = "python -m sjasim.reproduce
     options = parse(Options, arguments, None, program, ABOUT)
     if options.out is not None:
         check_target(options.out, options.overwrite, holds=FILE)
-    found = reproduce(options.study, options.simulated)
+    found = reproduce(options.study, options.simulated, options.data)
     found.print(options.json)
     if options.out is not None:
         found.save(options.out, options.overwrite)

@@ -40,8 +40,9 @@ class SessionConfig:
 
     Attributes:
         method: anticipation method: a registered name, module:Class, or ``none`` for a session without a robot.
-        humans: human timing model: the name of a preset, ``expertise:NUMBER`` from 0 (novices) to 1 (musicians),
-            FILE.toml with parameters, ``replay:FILE`` with an event table or a session's folder, or module:Class.
+        humans: human timing model: the name of a preset, ``adam`` or ``ashle`` for another model of timing,
+            ``expertise:NUMBER`` from 0 (novices) to 1 (musicians), FILE.toml with parameters, ``replay:FILE`` with an
+            event table or a session's folder, or module:Class.
         seed: seed of all random numbers of the session.
         dancers: number of dancers, up to 8; up to 6 with ``depth`` sensing.
         sensing: source of the skeletons: ``depth`` (simulated depth images and nothing else) or ``joints`` (true

@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from ..choreography.timetable import Timetable
 from ..config import FaultConfig, SessionConfig
+from ..config.toml_file import checked_value
 from ..core import Cue, Kind
 from ..core.clock import stream
 from ..core.errors import ConfigError, PluginError
-from ..core.registry import resolve
+from ..core.registry import names, resolve
 from ..core.session_log import AgentEvent
 from ..humans.timing.ensemble import EnsembleTiming
 from ..humans.timing.human_timing import HumanTiming
-from ..humans.timing.parameters import TimingParameters, parameters_at_expertise, preset, read_parameters
+from ..humans.timing.parameters import parameters_at_expertise, parameters_from, preset, preset_names, read_table
 from ..humans.timing.replay import Replay
 from ..record.event_table import read_event_table
 
 REPLAY_PREFIX = "replay:"
 """Prefix of ``SessionConfig.humans`` that is followed by a file of recorded events."""
+
+ENSEMBLE = "ensemble"
+"""Name of the model that the presets are for, and files that name no model."""
 
 EXPERTISE_PREFIX = "expertise:"
 """Prefix of ``SessionConfig.humans`` that is followed by a number from 0 to 1."""
@@ -32,9 +36,9 @@ def make_human_timing(config: SessionConfig, timetable: Timetable) -> HumanTimin
 
     ``config.humans`` is one of
 
-    - a preset's name,
+    - a preset's name, or that of another registered model, which then has its default parameters,
     - ``expertise:NUMBER``, people between novices (0) and musicians (1),
-    - a TOML file with the fields of `TimingParameters`,
+    - a TOML file with the fields of `TimingParameters`; with ``model = "NAME"``, with those of another model,
     - ``replay:FILE``, an event table or a session's folder; ``replay:FILE#SESSION`` for a table of several sessions,
     - ``module:Class``, an implementation of `HumanTiming`. Its constructor takes the arguments of `EnsembleTiming`
       without ``parameters``.
@@ -50,27 +54,43 @@ def make_human_timing(config: SessionConfig, timetable: Timetable) -> HumanTimin
     person_rng = stream(config.seed, "humans", "group")
     performance_rng = stream(config.seed, "humans", "performance", config.performance or config.method)
     if ":" not in name or name.endswith(".toml") or name.startswith(EXPERTISE_PREFIX):
-        return EnsembleTiming(_parameters(name), timetable, config.dancers, person_rng, performance_rng)
+        parameters, factory = _model(name)
+        model = factory(parameters, timetable, config.dancers, person_rng, performance_rng)
+    else:
+        model = resolve("humans", name).factory(timetable, config.dancers, person_rng, performance_rng)
 
-    model = resolve("humans", name).factory(timetable, config.dancers, person_rng, performance_rng)
     if not isinstance(model, HumanTiming):
         raise PluginError(f"humans {name!r} made {type(model).__name__}, which lacks begin, decide or next_due_s")
     return model
 
 
-def _parameters(name: str) -> TimingParameters:
-    """Parameters of the ensemble model that a preset, a file or an expertise names."""
+def _model(name: str) -> tuple[object, Callable[..., object]]:
+    """Parameters that a preset, a file, an expertise or a registered model names, and the model that they are for."""
     if name.endswith(".toml"):
-        return read_parameters(Path(name))
-    if not name.startswith(EXPERTISE_PREFIX):
-        return preset(name)
+        data = read_table(Path(name))
+        model = data.pop("model", ENSEMBLE)
+        if model == ENSEMBLE:
+            return parameters_from(data, f"humans ({name})"), EnsembleTiming
 
-    number = name.removeprefix(EXPERTISE_PREFIX)
-    try:
-        expertise = float(number)
-    except ValueError:
-        raise ConfigError("humans", name, f"{EXPERTISE_PREFIX} and a number from 0 to 1") from None
-    return parameters_at_expertise(expertise)
+        entry = resolve("humans", str(model))
+        if entry.config is None:
+            raise ConfigError("humans.model", model, "a model with parameters")
+        return checked_value(entry.config, data, f"humans ({name})"), entry.factory
+
+    if name.startswith(EXPERTISE_PREFIX):
+        number = name.removeprefix(EXPERTISE_PREFIX)
+        try:
+            expertise = float(number)
+        except ValueError:
+            raise ConfigError("humans", name, f"{EXPERTISE_PREFIX} and a number from 0 to 1") from None
+        return parameters_at_expertise(expertise), EnsembleTiming
+
+    # Presets come first: resolving a registered name imports every model.
+    if name not in preset_names() and name in names("humans"):
+        entry = resolve("humans", name)
+        assert entry.config is not None
+        return entry.config(), entry.factory
+    return preset(name), EnsembleTiming
 
 
 def _replay(source: str, timetable: Timetable, dancers: int) -> Replay:

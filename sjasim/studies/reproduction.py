@@ -12,6 +12,9 @@ from .reproduction_options import PAPER, ReproductionOptions
 FEWEST_STUDIES = 20
 """Fewest simulated studies; fewer give no interval of 95 %."""
 
+QUARTET = "quartet"
+"""Name of the study of a string quartet, whose data its users fetch."""
+
 
 class Report(Protocol):
     """Result of a reproduction."""
@@ -29,19 +32,23 @@ class Report(Protocol):
         ...
 
 
-def reproduce(study: str, options: ReproductionOptions) -> Report:
+def reproduce(study: str, options: ReproductionOptions, data: Path | None = None) -> Report:
     """Reproduce a study, with its progress on stderr.
 
     Args:
         study: name of the study.
         options: what is simulated.
+        data: folder with the onsets of the quartet; None for other studies.
 
     Raises:
-        ConfigError: an option has no effect on the study.
+        ConfigError: an option has no effect on the study, or the quartet's folder is not given.
+        RecordError: the folder does not hold what is needed.
         SjasimError: the people do not exist, or a session failed.
     """
     if options.studies < FEWEST_STUDIES:
         raise ConfigError("studies", options.studies, f"at least {FEWEST_STUDIES}, for an interval of 95 %")
+    if data is not None and study != QUARTET:
+        raise ConfigError("data", str(data), f"only with the study {QUARTET}")
     if study == PAPER:
         from .paper_reproduction import reproduce_paper
 
@@ -51,7 +58,14 @@ def reproduce(study: str, options: ReproductionOptions) -> Report:
         if getattr(options, name) != getattr(ReproductionOptions(), name):
             raise ConfigError(name, getattr(options, name), f"only with the study {PAPER}")
 
-    from .tempo_tasks import reproduce_tempo_tasks
-
     with progress_reporter("simulating") as progress:
+        if study == QUARTET:
+            from .quartet import reproduce_quartet
+
+            if data is None:
+                raise ConfigError("data", None, "the folder with the onsets of the quartet")
+            return reproduce_quartet(data, options.studies, options.seed, progress.simulating)
+
+        from .tempo_tasks import reproduce_tempo_tasks
+
         return reproduce_tempo_tasks(options.studies, options.seed, progress.simulating)

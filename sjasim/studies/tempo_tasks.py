@@ -188,6 +188,7 @@ def _row(
         rng: generator of the studies.
     """
     performances, persons = found.shape
+    # People and performances are drawn independently.
     drawn = found[rng.integers(performances, size=(studies, persons)), rng.integers(persons, size=(studies, persons))]
     means = drawn.mean(axis=1) + published[1] * rng.standard_normal(studies)
     low, high = np.quantile(means, (0.025, 0.975))

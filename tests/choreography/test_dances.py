@@ -12,7 +12,7 @@ from sjasim.choreography.timetable import Timetable
 from sjasim.core import Kind, Move
 from sjasim.core.registry import names, resolve
 from sjasim.core.tempo import TempoMap
-from sjasim.humans.timing.ensemble import MIN_HOLD_S, MIN_MOVE_S
+from sjasim.humans.timing.cue_assembly import MIN_HOLD_S, MIN_MOVE_S
 
 from ..humans.dancing import builds, paper_floor
 

@@ -5,8 +5,10 @@ import tomllib
 
 import pytest
 
-from sjasim.config import FAULTS
+from sjasim.choreography.timetable import timetable
+from sjasim.config import FAULTS, SessionConfig
 from sjasim.config.toml_file import from_plain
+from sjasim.session.dancers import make_human_timing
 
 from .pages import ROOT, blocks, links, pages, text_of
 
@@ -81,3 +83,12 @@ def test_the_glossary_is_in_order():
     names = [row.split(" | ")[0].strip("| *").lower() for row in rows]
     assert len(names) > 60
     assert names == sorted(set(names))
+
+
+def test_the_file_of_another_model_of_people_is_understood(tmp_path):
+    page = blocks("docs/people.md", "toml")
+    text = next(block.text for block in page if block.text.startswith("model"))
+    path = tmp_path / "people.toml"
+    path.write_text(text, encoding="utf-8")
+    config = SessionConfig(humans=str(path))
+    assert type(make_human_timing(config, timetable(config))).__name__ == "AdamTiming"

@@ -10,7 +10,7 @@ import pytest
 from sjasim.choreography.timetable import timetable
 from sjasim.config import FaultConfig, SessionConfig
 from sjasim.core import ROBOT, Cue, Kind, Move
-from sjasim.core.errors import ConfigError
+from sjasim.core.errors import ConfigError, SjasimError
 from sjasim.core.session_log import AgentEvent
 from sjasim.session.dancers import cues_with_faults, make_human_timing, perceived_timing_error_s
 
@@ -47,3 +47,47 @@ def test_people_of_an_expertise_dance():
     for wrong in ("expertise:", "expertise:much", "expertise:2"):
         with pytest.raises(ConfigError, match=r"humans.*0.* to 1"):
             make_human_timing(replace(config, humans=wrong), timetable(config))
+
+
+def planned(humans: str, **options) -> list[float]:
+    """Begins of all moves of iteration 1 [s]."""
+    config = SessionConfig(humans=humans, **options)
+    model = make_human_timing(config, timetable(config))
+    model.begin(1, None, np.zeros(3))
+    return [cue.t_s for own in model.decide(0.0, ()) for cue in own]
+
+
+@pytest.mark.parametrize("humans", ["adam", "ashle"])
+def test_further_models_dance_by_name_with_the_same_persons_under_every_method(humans):
+    one = planned(humans, method="eca", performance="monday")
+    assert one == planned(humans, method="sia", performance="monday")
+    assert one != planned(humans, method="sia", performance="tuesday")
+    assert one != planned(humans, method="eca", performance="monday", seed=1)
+
+
+def test_a_file_chooses_its_model(tmp_path):
+    def written(text: str) -> str:
+        path = tmp_path / "people.toml"
+        path.write_text(text)
+        return str(path)
+
+    quiet = written('model = "adam"\ntimekeeper_s = 0.0\nmotor_s = 0.0\nlapse = 0.0\n')
+    metronomic = written("lapse = 0.0\n")
+    assert planned(quiet) == pytest.approx(planned("metronomic"))
+    assert planned(metronomic) == pytest.approx(planned("metronomic"))
+    planned(written('model = "ensemble"\ncoupling = 0.2\n'))
+    planned(written('model = "ashle"\nspontaneous_s = 0.5\n[oscillators]\nnoise = 0.1\n'))
+
+    for text, says in (
+        ('model = "adam"\ncoupling = 0.2\n', "coupling.*no such field"),
+        ('model = "ashle"\n[oscillators]\nnoise = "loud"\n', "oscillators.noise.*a number"),
+        ("model = 3\n", "no humans named '3'"),
+        ('model = "eve"\n', "no humans named 'eve': known are adam, ashle"),
+    ):
+        with pytest.raises(SjasimError, match=says):
+            planned(written(text))
+
+
+def test_an_unknown_name_lists_presets_and_models():
+    with pytest.raises(SjasimError, match=r"'nobody': known are metronomic, .*adam, ashle"):
+        planned("nobody")

@@ -157,15 +157,18 @@ def _integrate(
             sensory_lead = (direction * np.conj(heard)).imag
             motor_lead = (motor * np.conj(direction)).imag / abs(motor)
 
+            # Both oscillators have a limit cycle of radius near 1.
             positions[i, 0] += STEP_S * sensory_hz * (sensory * (1.0 + turn - abs(sensory) ** 2) + heard)
             step = STEP_S * motor_hz * (motor * (1.0 + turn - abs(motor) ** 2) + direction)
             positions[i, 1] = motor + step + complex(noise[n, i, 0], noise[n, i, 1])
 
+            # Frequencies learn from the phase differences, against their pulls.
             pull = sensory_elasticity * (np.exp((sensory_hz - motor_hz) / motor_hz) - 1.0)
             frequencies_hz[i, 0] += STEP_S * sensory_hz * (-learning * sensory_lead - pull)
             pull = elasticity * (np.exp((motor_hz - spontaneous_hz[i]) / spontaneous_hz[i]) - 1.0)
             frequencies_hz[i, 1] += STEP_S * motor_hz * (-learning * motor_lead - pull)
 
+            # The angle between two steps is small, so that the phase never jumps by a cycle.
             turned = positions[i, 1] * np.conj(motor)
             cycles[n + 1, i] = cycles[n, i] + np.arctan2(turned.imag, turned.real) / (2.0 * np.pi)
     return cycles

@@ -7,8 +7,9 @@ M. Dancers correct what they observe, motor noise included: for a single dancer 
 a badly timed robot may make people noisier.
 
 Source: vorberg1996, section 3 (phase correction); wing2014, eq. (1), and jacoby2015, section 2 (ensembles). Assumed:
-the shortest moves and holds, which keep the events in order; that dancers correct neither the delays that these cause
-nor a partner's constant lateness, which they expect; that a dancer who leaves out a move keeps time meanwhile.
+the shortest moves and holds of `cue_assembly`, which keep the events in order; that dancers correct neither the delays
+that these cause nor a partner's constant lateness, which they expect; that a dancer who leaves out a move keeps time
+meanwhile.
 """
 
 from __future__ import annotations
@@ -23,16 +24,11 @@ import numpy as np
 from ...choreography.score import MOVE_EVENTS
 from ...choreography.timetable import Timetable
 from ...config.session import MAX_DANCERS
-from ...core import Array, BoolArray, Cue, Kind, Move, dancer_name
+from ...core import Array, BoolArray, Cue, Kind
 from ...core.errors import ConfigError
+from .cue_assembly import move_cue, performs, shortest_after_s
 from .human_timing import ObservedRobotEvent
 from .parameters import TimingParameters
-
-MIN_MOVE_S = 0.8
-"""Shortest move forward or backward [s] (assumed)."""
-
-MIN_HOLD_S = 0.15
-"""Shortest hold between two moves [s] (assumed)."""
 
 PREPARATION_S = 0.5
 """Least time from the decision for a move to its begin, in which people prepare the first step [s] (assumed)."""
@@ -42,9 +38,6 @@ DECISION_LEAD_S = 1.3
 
 REFERENCE_APPROPRIATENESS_S = 0.70
 """Mean timing error of the robot at which people are as noisy as their preset says [s]."""
-
-TURN_AFTER_CLAP_S = 0.25
-"""Time from a dancer's clap to its turn [s] (assumed)."""
 
 
 @dataclass(slots=True)
@@ -60,7 +53,6 @@ class _Iteration:
         motor_s: (D, E) motor noise.
         lapses: (D, E) draws of lapses.
         free_s: (D,) earliest session time of each dancer's next event.
-        skipping: (D,) dancers who leave out the present phrase.
         deviation_s: (D, E) timekeepers' deviations at the decided events, without motor noise.
         tempo: (D, E) relative slowness that period correction has given each dancer before the decided events.
         times_s: (D, E) decided event times.
@@ -75,7 +67,6 @@ class _Iteration:
     motor_s: Array
     lapses: BoolArray
     free_s: Array
-    skipping: BoolArray
     deviation_s: Array
     tempo: Array
     times_s: Array
@@ -156,7 +147,6 @@ class EnsembleTiming:
             motor_s=parameters.motor_s * noise[1],
             lapses=lapses,
             free_s=np.array(not_before_s, dtype=np.float64),
-            skipping=np.zeros(self._dancers, dtype=bool),
             deviation_s=np.zeros(shape),
             tempo=np.zeros(shape),
             times_s=np.zeros(shape),
@@ -219,38 +209,11 @@ class EnsembleTiming:
             correction_s = np.zeros(self._dancers)
             self._fix_event(ordinal)
 
-        # Whoever leaves out a move forward leaves out the move backward as well, and so stays on the slot.
-        if move is Move.FORWARD:
-            state.skipping = state.lapses[:, first]
-
-        return [(dancer, self._cue(index, dancer)) for dancer in range(self._dancers) if self._performs(index, dancer)]
-
-    def _performs(self, index: int, dancer: int) -> bool:
-        """Whether a dancer performs a move, that is, has no lapse; everybody performs the turn."""
-        move = self._moves[index].move
-        if move is Move.TURN:
-            return True
-        if move is Move.CLAP:
-            return not self._state.lapses[dancer, self._timetable.choreography.first_ordinal(index)]
-
-        return not self._state.skipping[dancer]
-
-    def _cue(self, index: int, dancer: int) -> Cue:
-        """Cue of a dancer for a move whose events are decided."""
-        state = self._state
-        item = self._moves[index]
-        first = self._timetable.choreography.first_ordinal(index)
-        t_s = float(state.times_s[dancer, first])
-        duration_s = 0.0
-
-        if item.move is Move.TURN:
-            end_s = self._timetable.time_s(state.index, item.beat + item.beats)
-            t_s += TURN_AFTER_CLAP_S
-            duration_s = end_s - self._timetable.time_s(state.index, item.beat)
-        elif item.move is not Move.CLAP:
-            duration_s = float(state.times_s[dancer, first + 1]) - t_s
-
-        return Cue(dancer_name(dancer), item.move, state.index, first, item.beat, t_s, duration_s)
+        return [
+            (dancer, move_cue(self._timetable, state.index, index, dancer, state.times_s[dancer]))
+            for dancer in range(self._dancers)
+            if performs(self._timetable, index, state.lapses[dancer])
+        ]
 
     def _deviation(self, ordinal: int) -> Array:
         """(D,) timekeepers' deviations at an event, before any correction towards the robot [s].
@@ -297,8 +260,7 @@ class EnsembleTiming:
         state = self._state
         state.times_s[:, ordinal] = np.maximum(self._event_times(ordinal, state.deviation_s[:, ordinal]), state.free_s)
 
-        # Starts and stops alternate, so an even ordinal begins a move and an odd one a hold.
-        state.free_s = state.times_s[:, ordinal] + (MIN_MOVE_S if ordinal % 2 == 0 else MIN_HOLD_S)
+        state.free_s = state.times_s[:, ordinal] + shortest_after_s(ordinal)
 
     def _lag_behind_robot(self, robot: Sequence[ObservedRobotEvent]) -> Array:
         """(D,) mean lag of each dancer behind the robot's new events; 0 without a new event [s].

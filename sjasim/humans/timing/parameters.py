@@ -15,6 +15,7 @@ import numpy as np
 from ...config.toml_file import plain_to_toml
 from ...core import Array
 from ...core.errors import ConfigError, UnknownNameError
+from ...core.registry import names
 
 NOVICES = "novices"
 """Preset of people with an expertise of 0."""
@@ -264,9 +265,11 @@ def preset(name: str) -> TimingParameters:
     """
     table = _presets()
     if name not in table:
-        raise UnknownNameError("humans preset", name, (*table, "expertise:0.5", "FILE.toml", "replay:FILE"))
+        raise UnknownNameError(
+            "humans preset", name, (*table, *names("humans"), "expertise:0.5", "FILE.toml", "replay:FILE")
+        )
 
-    return _parameters(table[name], f"humans.{name}")
+    return parameters_from(table[name], f"humans.{name}")
 
 
 def parameters_at_expertise(expertise: float) -> TimingParameters:
@@ -300,20 +303,27 @@ def parameters_at_expertise(expertise: float) -> TimingParameters:
     return TimingParameters(**values)
 
 
-def read_parameters(path: Path) -> TimingParameters:
-    """Parameters from a TOML file of `TimingParameters` fields, as ``python -m sjasim.calibrate`` writes it.
+def read_table(path: Path) -> dict[str, Any]:
+    """Fields of a TOML file of parameters, such as ``python -m sjasim.calibrate`` writes it.
 
     Raises:
-        ConfigError: the file cannot be read, is not TOML, or has a wrong field.
+        ConfigError: the file cannot be read, or is not TOML.
     """
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise ConfigError("humans", str(path), f"a readable TOML file ({error.strerror or error})") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError("humans", str(path), f"a TOML file ({error})") from error
 
-    return _parameters(data, f"humans ({path})")
+
+def read_parameters(path: Path) -> TimingParameters:
+    """Parameters from a TOML file of `TimingParameters` fields.
+
+    Raises:
+        ConfigError: the file cannot be read, is not TOML, or has a wrong field.
+    """
+    return parameters_from(read_table(path), f"humans ({path})")
 
 
 def parameters_toml(parameters: TimingParameters) -> str:
@@ -323,8 +333,16 @@ def parameters_toml(parameters: TimingParameters) -> str:
     return plain_to_toml({name: value for name, value in values.items() if value != getattr(default, name)})
 
 
-def _parameters(data: Mapping[str, Any], where: str) -> TimingParameters:
-    """Parameters from plain data; ``where`` names its origin in messages."""
+def parameters_from(data: Mapping[str, Any], where: str) -> TimingParameters:
+    """Parameters from plain data.
+
+    Args:
+        data: fields of `TimingParameters`.
+        where: names the origin of the data in messages.
+
+    Raises:
+        ConfigError: a field is unknown, or its value is not allowed.
+    """
     known = {field.name for field in fields(TimingParameters)}
     unknown = sorted(data.keys() - known)
     if unknown:

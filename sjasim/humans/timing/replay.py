@@ -12,7 +12,8 @@ from ...core import ROBOT, Array, Cue, Kind, Move, dancer_name
 from ...core.errors import ConfigError, RecordError
 from ...core.session_log import Notice, TableEvent, natural_order
 from ..motion.planner import MIN_TURN_S
-from .ensemble import MIN_HOLD_S, MIN_MOVE_S, PREPARATION_S, TURN_AFTER_CLAP_S
+from .cue_assembly import MIN_HOLD_S, MIN_MOVE_S, TURN_AFTER_CLAP_S
+from .ensemble import PREPARATION_S
 from .human_timing import ObservedRobotEvent
 
 FRAME_S = 1 / 30

@@ -14,7 +14,8 @@ from sjasim.core import Kind, Move
 from sjasim.core.clock import stream
 from sjasim.core.errors import ConfigError
 from sjasim.core.tempo import TempoMap
-from sjasim.humans.timing.ensemble import MIN_HOLD_S, MIN_MOVE_S, PREPARATION_S, EnsembleTiming
+from sjasim.humans.timing.cue_assembly import MIN_HOLD_S, MIN_MOVE_S
+from sjasim.humans.timing.ensemble import PREPARATION_S, EnsembleTiming
 from sjasim.humans.timing.parameters import TimingParameters, preset, preset_names
 
 from ..dancing import dance
