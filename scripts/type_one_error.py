@@ -7,49 +7,54 @@ python scripts/type_one_error.py --studies 500 --groups 9 --method eca --humans 
 
 from __future__ import annotations
 
-import argparse
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+import tyro
 from joblib import Parallel, delayed
 from rich.console import Console
 from rich.table import Table
 
 from sjasim.analysis.error_rates import RECOMMENDED, rejection_shares
 from sjasim.config import SessionConfig
+from sjasim.core import Array
 from sjasim.studies.null_studies import null_studies
 
 LIMITS = (0.03, 0.07)
 """Allowed shares of the recommended test at level .05."""
 
 
-def main() -> int:
-    """Simulate the studies, print the table, and return 1 if the recommended test misses the limits."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--studies", type=int, default=500)
-    parser.add_argument("--groups", type=int, default=9)
-    parser.add_argument("--method", default="sia")
-    parser.add_argument("--humans", default="paper-entrainment")
-    parser.add_argument("--seed", type=int, default=1_000_000, help="seed of the first group")
-    parser.add_argument("--jobs", type=int, default=1)
-    options = parser.parse_args()
+@dataclass(frozen=True)
+class Options:
+    """Options of this script.
 
-    config = SessionConfig(method=options.method, humans=options.humans, fidelity="timing", seed=options.seed)
-    seeds = range(options.seed, options.seed + options.studies * options.groups, options.groups)
-    one = delayed(null_studies)
-    parts = Parallel(n_jobs=options.jobs)(one(replace(config, seed=seed), 1, options.groups) for seed in seeds)
-    measured = {
-        "TA": np.concatenate([part.ta_s for part in parts]),
-        "GSI": np.concatenate([part.gsi for part in parts]),
-    }
-    rng = np.random.default_rng(options.seed)
+    Attributes:
+        studies: number of studies.
+        groups: number of groups in each.
+        method: method of both sessions of a group.
+        humans: human timing model.
+        seed: seed of the first group.
+        jobs: number of processes.
+    """
+
+    studies: int = 500
+    groups: int = 9
+    method: str = "sia"
+    humans: str = "paper-entrainment"
+    seed: int = 1_000_000
+    jobs: int = 1
+
+
+def main(options: Options) -> int:
+    """Simulate the studies, print the table, and return 1 if the recommended test misses the limits."""
     table = Table(title=f"{options.studies} studies of {options.groups} groups without a difference, level .05")
     for column in ("measure", "test", "rejects", "95 % interval"):
         table.add_column(column)
 
     met = True
-    for measure, values in measured.items():
+    rng = np.random.default_rng(options.seed)
+    for measure, values in simulate(options).items():
         for test, row in rejection_shares(values, rng).items():
             # An index has one value for each iteration, so the iterations are its events.
             if measure == "GSI" and test.startswith("events"):
@@ -60,5 +65,17 @@ def main() -> int:
     return 0 if met else 1
 
 
+def simulate(options: Options) -> dict[str, Array]:
+    """Timing appropriateness and group synchronisation index of all studies; see `NullStudies`."""
+    config = SessionConfig(method=options.method, humans=options.humans, fidelity="timing")
+    seeds = range(options.seed, options.seed + options.studies * options.groups, options.groups)
+    one = delayed(null_studies)
+    parts = Parallel(n_jobs=options.jobs)(one(replace(config, seed=seed), 1, options.groups) for seed in seeds)
+    return {
+        "TA": np.concatenate([part.ta_s for part in parts]),
+        "GSI": np.concatenate([part.gsi for part in parts]),
+    }
+
+
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(tyro.cli(Options, description=__doc__)))

@@ -144,7 +144,7 @@ def rank_biserial(differences: Array, confidence: float = 0.95) -> Interval:
     The interval adds and subtracts the normal quantile times the standard deviation that the correlation has without a
     difference, and ends at -1 and 1. It agrees with the signed-rank test, contains the value in 94 % of the studies or
     more with six groups or more, and is wide if the effect is large. The usual interval by Fisher's transformation
-    contains it in 61 to 94 % of studies of nine groups (docs/statistics.md).
+    contains it in 61 to 90 % of studies of nine groups (docs/statistics.md).
 
     Args:
         differences: (n,) finite differences of the groups.
