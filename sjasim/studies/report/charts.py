@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from markupsafe import Markup
 
@@ -60,6 +61,15 @@ class Bars:
     shares: Sequence[float]
     overflow: float
     top: float
+
+
+class Band(NamedTuple):
+    """A point of a curve with its interval."""
+
+    x: float
+    value: float
+    low: float
+    high: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,6 +190,29 @@ def by_category(
     axes.bottom(what, range(len(names)), names)
     for index, line in enumerate(lines):
         _category_line(axes, line, 0.07 * (index - (len(lines) - 1) / 2))
+    return drawing.markup()
+
+
+def band_curve(title: str, description: str, labels: tuple[str, str], points: Sequence[Band], target: float) -> Markup:
+    """A curve of percentages with a band around it, and a level to reach.
+
+    Args:
+        title: title of the drawing.
+        description: description of the drawing.
+        labels: what is drawn horizontally and vertically.
+        points: the curve from left to right.
+        target: the level [%].
+    """
+    drawing = Drawing(WIDTH, HEIGHT, title, description)
+    ends = (points[0].x, points[-1].x) if len(points) > 1 else (0.0, 1.0)
+    axes = Axes(drawing, ends, (0.0, 100.0))
+    axes.left(labels[1], SHARES)
+    axes.bottom(labels[0], ticks(*ends))
+
+    outline = [(item.x, item.low) for item in points] + [(item.x, item.high) for item in reversed(points)]
+    drawing.path([axes.point(x, y) for x, y in outline], "c0 fill pale")
+    drawing.path([axes.point(item.x, item.value) for item in points], "c0 stroke")
+    drawing.line((axes.x.start, axes.y(target)), (axes.x.end, axes.y(target)), "ink thin dashed")
     return drawing.markup()
 
 

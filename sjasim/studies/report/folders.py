@@ -13,6 +13,7 @@ from ...core.errors import ConfigError, RecordError
 from ...record.atomic_folder import check_file
 from .characterisation_page import characterisation_page
 from .page import Page, html
+from .power_page import power_page
 from .reproduction_page import reproduction_page
 from .session_page import session_page
 from .study_page import study_page
@@ -28,6 +29,7 @@ PAGES: Mapping[str, Callable[[Path, Mapping[str, Any]], Page]] = {
     "study.json": study_page,
     "reproduce.json": lambda folder, content: reproduction_page(content),
     "characterise.json": lambda folder, content: characterisation_page(content),
+    "power.json": lambda folder, content: power_page(content),
     "session.json": lambda folder, content: session_page(folder),
 }
 """File by which a folder is recognised -> function of the folder and of the file's content that gives the page."""
@@ -37,7 +39,7 @@ def write_report(folder: Path, out: Path | None = None, overwrite: bool = False)
     """Write the page about a folder; it appears whole or not at all.
 
     Args:
-        folder: folder of a study, a session, a reproduction or a characterisation.
+        folder: folder of a study, a session or another result, see `PAGES`.
         out: the file to write; by default ``report.html`` in the folder.
         overwrite: whether an existing page may be replaced.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,7 +11,7 @@ from markupsafe import Markup
 from .axes import Scale
 from .page import Cell, Page, Question, Table
 from .svg import Drawing
-from .text import NAME_CHARACTERS, condition_text, counted, interval, listed, number, shortened
+from .text import NAME_CHARACTERS, condition_text, counted, interval, number, shortened
 
 STRIP_WIDTH = 130.0
 """Width of the drawing in a row [px]."""
@@ -20,6 +21,12 @@ STRIP_HEIGHT = 18.0
 
 STRIP_REACH = 2.2
 """Farthest value that a drawing shows, in half widths of the interval from its middle."""
+
+PAPER = "paper"
+"""Name of the study of Iqbal, Rack and Riek."""
+
+OPTIONS = ("studies", "groups", "fidelity", "seed")
+"""Options of the command that the file holds under their own names."""
 
 ROLES = {"fitted": "fitted", "held_out": "held out"}
 """Role of a row -> its text."""
@@ -33,56 +40,78 @@ def reproduction_page(content: Mapping[str, Any]) -> Page:
     Args:
         content: content of reproduce.json.
     """
-    preset = shortened(str(content["preset"]), NAME_CHARACTERS)
-    rows = content["rows"]
+    rows = [_normalised(row) for row in content["rows"]]
+    settings = {**content, **content.get("settings", {})}
+    study = str(content.get("study", PAPER))
+    people = shortened(str(settings.get("preset", study)), NAME_CHARACTERS)
+    title = f"The published study, value by value, with the people of {people}"
     return Page(
         template="reproduction.html",
         kind="reproduction of a published study",
-        title=f"The published study, value by value, with the people of {preset}",
-        verdict=_verdict(rows, preset, content["studies"]),
-        facts=_facts(content, preset),
+        title=title if study == PAPER else f"Published values of {study}, one by one",
+        verdict=_verdict(rows, people, settings["studies"]),
+        facts=_facts(rows, settings, people),
         sections=SECTIONS,
         questions=_questions(rows),
-        commands=_commands(content),
+        commands=(_command_line(settings, study),),
         versions=content.get("versions", {}),
-        content={"value_table": _value_table(rows), "findings": [_finding(item) for item in content["findings"]]},
+        content={
+            "is_paper": study == PAPER,
+            "value_table": _value_table(rows),
+            "findings": [_finding(item) for item in content.get("findings", ())],
+        },
     )
 
 
-def _verdict(rows: Sequence[Mapping[str, Any]], preset: str, studies: int) -> list[str]:
+def _normalised(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row with the keys of the published study's; other studies name the condition and what people did."""
+    name = str(row.get("meaning") or row["value"]).replace("_", " ")
+    method = condition_text(str(row.get("method") or row.get("condition") or ""))
+    return {
+        **row,
+        "name": shortened(f"{name}, {method}" if method else name, 2 * NAME_CHARACTERS),
+        "paper": row["paper"] if "paper" in row else row["people"],
+        "role": row["role"].replace(" ", "_"),
+    }
+
+
+def _verdict(rows: Sequence[Mapping[str, Any]], people: str, studies: int) -> list[str]:
     """How many of the published values lie inside, and which do not."""
-    outside = [_name(row) for row in rows if not row["inside"]]
+    outside = [row["name"] for row in rows if not row["inside"]]
     held_out = [row for row in rows if row["role"] != "fitted"]
     inside = sum(bool(row["inside"]) for row in held_out)
     first = (
         f"{len(rows) - len(outside)} of {len(rows)} published values lie inside the 95 % interval of "
-        f"{studies} simulated studies with the people of {preset}."
+        f"{studies} simulated studies with the people of {people}."
     )
-    second = f"Outside are {listed(outside)}." if outside else "No value lies outside."
+    second = f"Outside: {'; '.join(outside)}." if outside else "No value lies outside."
     if not held_out:
         return [first, f"{second} All values were used to fit the people."]
     return [first, f"{second} {inside} of {len(held_out)} values that were not used to fit the people lie inside."]
 
 
-def _facts(content: Mapping[str, Any], preset: str) -> list[tuple[str, str]]:
-    facts = [("people", preset), ("simulated studies", str(content["studies"]))]
-    facts += [(name, str(content[name])) for name in ("fidelity", "groups", "seed") if content.get(name) is not None]
-    roles = [row["role"] for row in content["rows"]]
+def _facts(rows: Sequence[Mapping[str, Any]], settings: Mapping[str, Any], people: str) -> list[tuple[str, str]]:
+    facts = [("people", people), ("simulated studies", str(settings["studies"]))]
+    facts += [(name, str(settings[name])) for name in ("fidelity", "groups", "seed") if settings.get(name) is not None]
+    roles = [row["role"] for row in rows]
     return [*facts, *((text, counted(roles.count(role), "value")) for role, text in ROLES.items() if role in roles)]
 
 
-def _commands(content: Mapping[str, Any]) -> tuple[str, ...]:
+def _command_line(settings: Mapping[str, Any], study: str) -> str:
     """The command line that makes the same file."""
-    words = ["sjasim reproduce", f"--studies {content['studies']}", f"--humans {content['preset']}"]
-    words += [f"--{name} {content[name]}" for name in ("fidelity", "seed") if content.get(name) is not None]
-    return (" ".join([*words, "--out DIR"]),)
+    words = ["sjasim", "reproduce", *([] if study == PAPER else [study])]
+    options = {"humans": settings.get("preset"), **{name: settings.get(name) for name in OPTIONS}}
+    for name, value in options.items():
+        if value is not None:
+            words += [f"--{name}", str(value)]
+    return shlex.join([*words, "--out", "DIR"])
 
 
 def _value_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     """One row for each published value."""
     cells = [
         [
-            Cell(_name(row), "name"),
+            Cell(row["name"], "name"),
             Cell(_value(row["paper"])),
             Cell(_value(row["mean"])),
             Cell(interval(row["low"], row["high"], _digits(row))),
@@ -112,7 +141,7 @@ def _strip(row: Mapping[str, Any]) -> Markup:
     reach = STRIP_REACH * (high - low) / 2
     x = Scale((low + high) / 2 - reach, (low + high) / 2 + reach, 0.0, STRIP_WIDTH)
     where = "inside" if row["inside"] else "outside"
-    drawing = Drawing(STRIP_WIDTH, STRIP_HEIGHT, f"place of {_name(row)}", f"The published value lies {where}.")
+    drawing = Drawing(STRIP_WIDTH, STRIP_HEIGHT, f"place of {row['name']}", f"The published value lies {where}.")
 
     drawing.line((0, 9), (STRIP_WIDTH, 9), "grid")
     drawing.rectangle((x(low), 4), x(high) - x(low), 10, "band")
@@ -166,13 +195,6 @@ def _questions(rows: Sequence[Mapping[str, Any]]) -> list[Question]:
             "methods.",
         ),
     ]
-
-
-def _name(row: Mapping[str, Any]) -> str:
-    """Name of a value in words, with its method."""
-    method = condition_text(str(row.get("method") or ""))
-    words = str(row["value"]).replace("_", " ").replace("gsi", "GSI").replace("ta ", "TA ")
-    return shortened(f"{words}, {method}" if method else words, 2 * NAME_CHARACTERS)
 
 
 def _digits(row: Mapping[str, Any]) -> int:

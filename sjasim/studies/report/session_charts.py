@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 from markupsafe import Markup
 
 from ...core import ROBOT, Kind
+from ...core.session_log import AgentEvent
 from ...record.rerun.explanation import StepDelay
 from .axes import Axes, Margins, padded, ticks
-from .step_events import LOGGED, NOT_LOGGED, IterationEvents, StepEvent
+from .session_events import IterationEvents
 from .svg import Drawing, swatch
 from .text import agent as agent_text
 
@@ -32,17 +33,17 @@ MARKERS = {
     Kind.START_BACKWARD: ("left", "start backward"),
     Kind.STOP_BACKWARD: ("square", "stop backward"),
     Kind.CLAP: ("star", "clap, or the robot's turn"),
+    Kind.TURN: ("star", ""),
 }
-"""Kind of an event -> marker and text of the legend."""
+"""Kind of an event -> marker and text of the legend; a turn shares that of a clap."""
 
 
-def raster(title: str, iterations: Sequence[IterationEvents], followed: Mapping[int, str]) -> Markup:
-    """Events of all agents in all iterations, with marks where one is missing.
+def raster(title: str, iterations: Sequence[IterationEvents]) -> Markup:
+    """Events of all agents in all iterations, with marks where one is missing or false.
 
     Args:
         title: title of the drawing.
-        iterations: from `step_events.iteration_events`.
-        followed: iteration -> the dancer whom the robot followed, or "".
+        iterations: from `session_events.iteration_events`.
     """
     length_s = max(item.length_s for item in iterations)
     height = 46.0 + sum(HEAD + ROW * len(item.agents) + 8 for item in iterations)
@@ -52,8 +53,8 @@ def raster(title: str, iterations: Sequence[IterationEvents], followed: Mapping[
     top = 0.0
     for item in iterations:
         top += HEAD
-        drawing.text((4, top - 8), _iteration_title(item, followed.get(item.iteration, "")), style="head")
-        _draw_iteration(axes, item, top, followed.get(item.iteration, ""))
+        drawing.text((4, top - 8), _iteration_title(item), style="head")
+        _draw_iteration(axes, item, top)
         top += ROW * len(item.agents) + 8
     axes.bottom("time since the first beat of the iteration [s]", ticks(0.0, length_s, 9))
     return drawing.markup()
@@ -62,10 +63,10 @@ def raster(title: str, iterations: Sequence[IterationEvents], followed: Mapping[
 def raster_legend() -> list[tuple[Markup, str]]:
     """Legend of `raster`."""
     return [
-        *((swatch([(shape, "ink fill")]), text) for shape, text in MARKERS.values()),
-        (swatch([("cross", "fault stroke")]), "performed, but not logged"),
+        *((swatch([(shape, "ink fill")]), text) for shape, text in MARKERS.values() if text),
+        (swatch([("cross", "fault stroke")]), "happened, but was not logged"),
         (swatch([("diamond", "fault hollow")]), "not performed"),
-        (swatch([("circle", "ink hollow")]), "logged, but belongs to no step"),
+        (swatch([("circle", "fault hollow")]), "logged, but did not happen"),
         (swatch([("line", "ink thin")]), "from the followed dancer's event to the robot's"),
     ]
 
@@ -100,41 +101,33 @@ def lateness(title: str, steps: Sequence[StepDelay], tau_s: float) -> Markup:
     return drawing.markup()
 
 
-def _draw_iteration(axes: Axes, item: IterationEvents, top: float, followed: str) -> None:
+def _draw_iteration(axes: Axes, item: IterationEvents, top: float) -> None:
     """Rows of one iteration: guides at the music's beats, names, and events."""
     bottom = top + ROW * len(item.agents)
     for beat_s in item.beats_s:
         axes.drawing.line((axes.x.clipped(beat_s), top), (axes.x.clipped(beat_s), bottom), "grid")
     rows = {agent: top + ROW * (index + 0.5) for index, agent in enumerate(item.agents)}
 
-    if followed in rows and ROBOT in rows:
-        _connect(axes, item, rows, followed)
+    for leader_s, robot_s in item.links:
+        start = (axes.x.clipped(leader_s), rows[item.followed])
+        axes.drawing.line(start, (axes.x.clipped(robot_s), rows[ROBOT]), "ink thin")
     for agent, y in rows.items():
         axes.drawing.text((axes.x.start - 10, y + 4), agent_text(agent), "end", "label")
-    for step in item.steps:
-        _draw_step(axes, step, rows[step.agent])
-    for event in item.extra:
-        axes.drawing.marker((axes.x.clipped(event.t_s), rows[event.agent]), "circle", f"{_style(event.agent)} hollow")
+
+    _draw_events(axes, rows, item.not_performed, "diamond", "fault hollow")
+    _draw_events(axes, rows, item.not_logged, "cross", "fault stroke")
+    _draw_events(axes, rows, item.false, "circle", "fault hollow")
+    for event in item.logged:
+        if event.agent in rows:
+            place = (axes.x.clipped(event.t_s), rows[event.agent])
+            axes.drawing.marker(place, MARKERS[event.kind][0], f"{_style(event.agent)} fill")
 
 
-def _draw_step(axes: Axes, step: StepEvent, y: float) -> None:
-    """The marker of one step; that of a missing event says why it is missing."""
-    place = (axes.x.clipped(step.t_s), y)
-    if step.status == LOGGED:
-        axes.drawing.marker(place, MARKERS[step.kind][0], f"{_style(step.agent)} fill")
-    else:
-        shape = ("cross", "fault stroke") if step.status == NOT_LOGGED else ("diamond", "fault hollow")
-        axes.drawing.marker(place, *shape)
-
-
-def _connect(axes: Axes, item: IterationEvents, rows: Mapping[str, float], followed: str) -> None:
-    """Lines from the events of the followed dancer to those of the robot; their slope is the robot's lateness."""
-    logged = {(step.agent, step.ordinal): step.t_s for step in item.steps if step.status == LOGGED}
-    for (agent, ordinal), t_s in logged.items():
-        leader_s = logged.get((followed, ordinal))
-        if agent == ROBOT and leader_s is not None:
-            start = (axes.x.clipped(leader_s), rows[followed])
-            axes.drawing.line(start, (axes.x.clipped(t_s), rows[ROBOT]), "ink thin")
+def _draw_events(axes: Axes, rows: Mapping[str, float], events: Sequence[AgentEvent], shape: str, style: str) -> None:
+    """Draw the same marker for all of some events."""
+    for event in events:
+        if event.agent in rows:
+            axes.drawing.marker((axes.x.clipped(event.t_s), rows[event.agent]), shape, style)
 
 
 def _lateness_bar(axes: Axes, position: float, step: StepDelay) -> None:
@@ -146,18 +139,19 @@ def _lateness_bar(axes: Axes, position: float, step: StepDelay) -> None:
     axes.drawing.rectangle((x, top), axes.x(position + 0.4) - x, axes.y(min(step.late_s, 0.0)) - top, "c0 fill soft")
 
 
-def _iteration_title(item: IterationEvents, followed: str) -> str:
+def _iteration_title(item: IterationEvents) -> str:
     if item.iteration == 0:
         return "Rehearsal, without the robot"
-    return f"Iteration {item.iteration}" + (f": the robot followed {agent_text(followed)}" if followed else "")
+    followed = f": the robot followed {agent_text(item.followed)}" if item.followed else ""
+    return f"Iteration {item.iteration}{followed}"
 
 
 def _raster_description(iterations: Sequence[IterationEvents]) -> str:
-    steps = [step for item in iterations for step in item.steps]
-    missing = [step for step in steps if step.status != LOGGED]
     return (
-        f"Rows are dancers and robot, in {len(iterations)} iterations. {len(steps) - len(missing)} of {len(steps)} "
-        f"steps have a logged event; {len(missing)} are marked as missing."
+        f"Rows are dancers and robot, in {len(iterations)} iterations: {sum(len(item.logged) for item in iterations)} "
+        f"events are logged, {sum(len(item.not_logged) for item in iterations)} happened and are not logged, "
+        f"{sum(len(item.not_performed) for item in iterations)} steps were not performed, and "
+        f"{sum(len(item.false) for item in iterations)} logged events did not happen."
     )
 
 

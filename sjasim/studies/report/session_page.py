@@ -8,9 +8,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...analysis.delay_breakdown import delay_report
+from ...analysis.group_metrics import group_metrics
+from ...analysis.missing_events import MissingEvents, missing_events
+from ...analysis.session_metrics import logged_events
 from ...choreography.timetable import timetable
 from ...config import HUMANS_ONLY
 from ...config.toml_file import from_plain
+from ...core import ROBOT
 from ...core.session_log import SessionLog
 from ...record.rerun.explanation import (
     LATE_S,
@@ -25,7 +29,7 @@ from ...record.session_folder import read, read_summary
 from .command_lines import has_unnamed_fields, session_command
 from .page import Cell, Figure, Page, Question, Table, names, numbers
 from .session_charts import lateness, raster, raster_legend
-from .step_events import NOT_LOGGED, NOT_PERFORMED, IterationEvents, count_missing, iteration_events
+from .session_events import IterationEvents, iteration_events
 from .svg import swatch
 from .text import NAME_CHARACTERS, agent, condition_text, listed, number, percent, shortened, signed
 
@@ -48,11 +52,12 @@ STAGE_HEADS = ("dancer", "sensor", "detector", "network", "method", "robot")
 
 
 class _Session(NamedTuple):
-    """What the parts of the page share: content of session.json, the log, its events by step, and its delays."""
+    """What the parts of the page share: content of session.json, the log, its events, and its delays."""
 
     summary: Mapping[str, Any]
     log: SessionLog
     iterations: list[IterationEvents]
+    missing: MissingEvents
     delays: DelayReport
 
     @property
@@ -72,7 +77,11 @@ def session_page(folder: Path) -> Page:
     summary = read_summary(folder)
     log = read(folder)
     config = from_plain(log.config)
-    session = _Session(summary, log, iteration_events(log, config, timetable(config)), delay_report(log))
+    table = timetable(config)
+    rows = group_metrics(logged_events(log), config, table, log.followed)
+    missing = missing_events(log)
+    iterations = iteration_events(log, config, table, rows, missing)
+    session = _Session(summary, log, iterations, missing, delay_report(log))
 
     method = condition_text(str(summary["method"]))
     title = f"One session under {method}" if session.has_robot else "One session of the dancers alone"
@@ -129,13 +138,14 @@ def _followed_sentence(session: _Session) -> str:
 
 
 def _missing_sentence(session: _Session) -> str:
-    """Events that are missing in the log."""
-    dancers = count_missing(session.iterations, False)
-    robot = count_missing(session.iterations, True)
-    sentence = f"Of {sum(dancers.values())} steps of the dancers {dancers[NOT_LOGGED]} were performed but not logged"
-    if session.has_robot:
-        return f"{sentence}; the robot missed {robot[NOT_PERFORMED]} of {sum(robot.values())}."
-    return f"{sentence}."
+    """How many events are missing in the log, and how many steps the robot left out."""
+    lost = sum(event.agent != ROBOT for event in session.missing.not_logged)
+    false = sum(event.agent != ROBOT for event in session.missing.false)
+    sentence = f"Of the dancers' events {lost} were not logged, and {false} logged ones did not happen"
+    if not session.has_robot:
+        return f"{sentence}."
+    missed = sum(event.agent == ROBOT for event in session.missing.not_performed)
+    return f"{sentence}; the robot left out {missed} of {len(session.delays.steps)} steps."
 
 
 def _facts(session: _Session) -> list[tuple[str, str]]:
@@ -154,7 +164,6 @@ def _facts(session: _Session) -> list[tuple[str, str]]:
 def _content(session: _Session, tau_s: float) -> dict[str, object]:
     """Values of the template."""
     steps = session.delays.steps
-    followed = {graph.iteration: graph.follows for graph in session.delays.graphs}
     off = [step for step in steps if classify_step(step) in ("late", "early")]
     missed = [step for step in steps if classify_step(step) == "missed"]
     return {
@@ -162,7 +171,7 @@ def _content(session: _Session, tau_s: float) -> dict[str, object]:
         "tau_s": tau_s,
         "iteration_table": _iteration_table(session),
         "raster": Figure(
-            raster("Events of all iterations", session.iterations, followed),
+            raster("Events of all iterations", session.iterations),
             "Each marker is a logged event. Vertical lines are the beats of the music at which steps are due.",
             raster_legend(),
             wide=True,

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...assets import published_study as published
 from ...core.errors import RecordError
-from .charts import Interval, intervals
-from .page import Cell, Figure, Page, Table
+from .page import Cell, Page, Table
+from .power_page import power_figure, power_sentence
 from .study_questions import questions
 from .study_synchrony import (
     chance_of,
@@ -37,9 +40,6 @@ SECTIONS = (
     ("power", "How many groups are needed"),
 )
 
-NEEDED = ("conditions", "table", "gsi", "gsi_full_edges", "gsi_humans", "ta", "comparisons", "wilcoxon", "groups")
-"""Keys of study.json that the page cannot do without."""
-
 
 def study_page(folder: Path, content: Mapping[str, Any]) -> Page:
     """The page.
@@ -49,12 +49,10 @@ def study_page(folder: Path, content: Mapping[str, Any]) -> Page:
         content: content of its study.json.
 
     Raises:
-        RecordError: study.json lacks a figure, or power.json is damaged.
+        RecordError: power.json is damaged.
     """
-    lacking = [key for key in NEEDED if key not in content]
-    if lacking:
-        raise RecordError(f"{folder / 'study.json'} lacks {listed(lacking)}")
-
+    if "gsi" not in content:
+        return _overview_page(folder, content)
     conditions = robot_conditions(content)
     shown = listed([condition_text(name) for name in conditions[:3]])
     more = f" and {len(conditions) - 3} further conditions" if len(conditions) > 3 else ""
@@ -66,10 +64,57 @@ def study_page(folder: Path, content: Mapping[str, Any]) -> Page:
         facts=_facts(content),
         sections=SECTIONS,
         questions=questions(content),
-        commands=(f"sjasim study --design {folder.name}/design.toml --out DIR",),
+        commands=(command_line(folder),),
         versions=content.get("versions", {}),
         content=_content(content, _power(folder)),
     )
+
+
+def _overview_page(folder: Path, content: Mapping[str, Any]) -> Page:
+    """The page of a study whose conditions were not compared, such as one with very many conditions."""
+    rows = content["by_condition"]
+    return Page(
+        template="overview.html",
+        kind="report of a study",
+        title=f"{counted(len(rows), 'condition')} in {counted(content['design']['groups'], 'group')}",
+        verdict=["The conditions of this study were not compared.", *content.get("notices", ())],
+        facts=_facts(content),
+        sections=(("conditions", "The conditions"),),
+        commands=(command_line(folder),),
+        versions=content.get("versions", {}),
+        content={"table": _overview_table(rows)},
+    )
+
+
+def _overview_table(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """Means with intervals of every condition."""
+    cells = [
+        [
+            Cell(condition_text(row["condition"]), "name"),
+            Cell(str(row["sessions"])),
+            *(
+                cell
+                for measure, digits in (("gsi", 3), ("gsi_full_edges", 3), ("gsi_humans", 3), ("ta_mean_s", 2))
+                for cell in (
+                    Cell(number(row[measure]["mean"], digits)),
+                    Cell(interval(row[measure]["low"], row[measure]["high"], digits)),
+                )
+            ),
+        ]
+        for row in rows
+    ]
+    pair = ("mean", "95 % interval")
+    return Table(
+        "Means over groups",
+        ("condition", "sessions", *pair * 4),
+        cells,
+        above=(("", 2), ("GSI, published rule", 2), ("GSI, all edges", 2), ("GSI, dancers alone", 2), ("TA [s]", 2)),
+    )
+
+
+def command_line(folder: Path) -> str:
+    """The command line that simulates a study again."""
+    return shlex.join(["sjasim", "study", "--design", f"{folder.name}/design.toml", "--out", "DIR"])
 
 
 def verdict(content: Mapping[str, Any]) -> list[str]:
@@ -158,15 +203,17 @@ def _chance_sentences(content: Mapping[str, Any], conditions: Sequence[str]) -> 
 
 def _published_sentences(content: Mapping[str, Any]) -> list[str]:
     """The published values beside those of this study, where it has the published conditions."""
-    if not {"eca", "sia"} <= set(content["ta"]):
+    pair = ("eca", "sia")
+    if not set(pair) <= set(content["ta"]):
         return []
-    published_gsi = listed([number(sum(map(sum, published.GSI[name])) / 36, 2) for name in ("eca", "sia")])
-    own_gsi = listed([number(content["gsi"][name]["mean"], 2) for name in ("eca", "sia")])
-    published_s = listed([number(published.TA_MEAN_S[name], 2) for name in ("eca", "sia")])
-    own_s = listed([number(content["ta"][name]["mean_s"], 2) for name in ("eca", "sia")])
+    published_gsi = listed([number(float(np.mean(published.GSI[name])), 2) for name in pair])
+    own_gsi = listed([number(content["gsi"][name]["mean"], 2) for name in pair])
+    published_s = listed([number(published.TA_MEAN_S[name], 2) for name in pair])
+    own_s = listed([number(content["ta"][name]["mean_s"], 2) for name in pair])
+    item = _comparison(content, "gsi", *pair)
     return [
         f"The published study found an index of {published_gsi} for ECA and SIA under its own rule of counting (here "
-        f"{own_gsi}), and a distance from the dancers of {published_s} s (here {own_s} s)."
+        f"{own_gsi}{_difference(item, 'sia')}), and a distance from the dancers of {published_s} s (here {own_s} s)."
     ]
 
 
@@ -176,7 +223,7 @@ def _facts(content: Mapping[str, Any]) -> list[tuple[str, str]]:
     presets = [humans] if isinstance(humans, str) else list(humans)
     session = design.get("session") or {}
     facts = [
-        ("groups", str(content["groups"])),
+        ("groups", str(content.get("groups", design["groups"]))),
         ("people in a group", str(session.get("dancers", 3))),
         ("people", listed([shortened(str(name), NAME_CHARACTERS) for name in presets])),
         ("order of conditions", str(design.get("order", "–"))),
@@ -210,8 +257,8 @@ def _content(content: Mapping[str, Any], power: Mapping[str, Any] | None) -> dic
         "comparison_table": comparison_table(content) if content["comparisons"] else None,
         "event_test": event_test_sentence(content),
         "replications": _replication_table(content),
-        "power_figure": _power_figure(power) if power else None,
-        "power_sentence": _power_sentence(power) if power else "",
+        "power_figure": power_figure(power) if power else None,
+        "power_sentence": power_sentence(power) if power else "",
         "notices": list(content.get("notices") or ()),
     }
 
@@ -273,28 +320,9 @@ def _power(folder: Path) -> Mapping[str, Any] | None:
         power = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise RecordError(f"{path} is damaged: {error}") from None
-    if not isinstance(power, dict) or not isinstance(power.get("rows"), list):
-        raise RecordError(f"{path} is damaged: it has no rows")
+    if not isinstance(power, dict):
+        raise RecordError(f"{path} is damaged: it holds no table of keys")
     return power
-
-
-def _power_figure(power: Mapping[str, Any]) -> Figure:
-    """Power by number of groups, with intervals."""
-    rows = [
-        Interval(counted(row["groups"], "group"), "c0", row["power"], row["low"], row["high"]) for row in power["rows"]
-    ]
-    described = "; ".join(f"{row.label}: {percent(row.value, 0)}" for row in rows)
-    return Figure(
-        intervals("Power by number of groups", described, "probability that the test shows the difference", rows),
-        "Power by number of groups, with its 95 % interval from the simulated studies.",
-    )
-
-
-def _power_sentence(power: Mapping[str, Any]) -> str:
-    needed = power.get("groups_needed")
-    if needed is None:
-        return "None of these numbers of groups is enough for the power that was asked for."
-    return f"{counted(needed, 'group')} are needed."
 
 
 def _comparison(content: Mapping[str, Any], measure: str, one: str, other: str) -> Mapping[str, Any] | None:
@@ -305,14 +333,14 @@ def _comparison(content: Mapping[str, Any], measure: str, one: str, other: str) 
     return None
 
 
-def _difference(item: Mapping[str, Any] | None, best: str) -> str:
-    """Difference of a comparison in brackets, the better condition minus the other, with interval and probability."""
+def _difference(item: Mapping[str, Any] | None, minuend: str) -> str:
+    """Difference of a comparison, a condition minus the other, with interval and probability; begins with a comma."""
     if item is None or item["difference"] is None:
         return ""
-    sign = 1.0 if item["second"] == best else -1.0
+    sign = 1.0 if item["second"] == minuend else -1.0
     ends = [None if item[end] is None else sign * item[end] for end in ("low", "high")]
     low, high = ends if sign > 0 else reversed(ends)
-    return f" ({difference(sign * item['difference'], low, high, item['p_adjusted'])})"
+    return f", {difference(sign * item['difference'], low, high, item['p_adjusted'])}"
 
 
 def _with_interval(figures: Mapping[str, Any]) -> str:

@@ -19,7 +19,10 @@ CERTAIN_P = 0.001
 
 def number(value: float | None, digits: int = 3) -> str:
     """A number with so many decimals, `NOTHING` for None."""
-    return NOTHING if value is None else f"{value:.{digits}f}".replace("-", "−")
+    if value is None:
+        return NOTHING
+    # A negative number that is rounded to 0 has no sign.
+    return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")
 
 
 def signed(value: float | None, digits: int = 3) -> str:
@@ -29,8 +32,8 @@ def signed(value: float | None, digits: int = 3) -> str:
 
 def difference(value: float, low: float | None, high: float | None, p: float | None, digits: int = 2) -> str:
     """A difference in words, with its interval and probability."""
-    ends = "" if low is None or high is None else f"95 % interval {number(low, digits)} to {number(high, digits)}; "
-    return f"difference {number(value, digits)}; {ends}{p_value(p)}"
+    ends = "" if low is None or high is None else f", 95 % interval {number(low, digits)} to {number(high, digits)}"
+    return f"difference {number(value, digits)}{ends}, {p_value(p)}"
 
 
 def percent(share: float | None, digits: int = 1) -> str:

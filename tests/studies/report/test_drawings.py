@@ -83,6 +83,7 @@ def test_a_value_lies_between_the_ends_of_its_interval():
 
 
 def test_numbers_are_written_as_readers_expect():
+    assert number(-0.0001, 2) == "0.00"
     assert (number(None), number(-0.5, 1), signed(0.25, 2), percent(0.5)) == ("–", "−0.5", "+0.25", "50.0 %")
     assert (p_value(0.0004), p_value(0.031), p_value(0.4), p_value(None)) == (
         "p < 0.001",

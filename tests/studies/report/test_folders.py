@@ -25,7 +25,7 @@ def test_an_earlier_page_stays_unless_it_may_be_replaced(folder_of, paper_study)
     read_page(write_report(folder, overwrite=True))
 
 
-@pytest.mark.parametrize("name", ["study.json", "session.json", "reproduce.json", "characterise.json"])
+@pytest.mark.parametrize("name", ["study.json", "session.json", "reproduce.json", "characterise.json", "power.json"])
 @pytest.mark.parametrize(
     ("content", "words"),
     [("[]", "is not of version"), ("{", "is damaged"), ('{"schema": 99}', "is not of version"), ('{"schema": 1}', "")],

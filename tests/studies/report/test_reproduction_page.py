@@ -18,8 +18,11 @@ ROWS = [
     )
 ]
 
+ROWS[0]["meaning"] = "mean index"
+
 CONTENT = {
     "schema": 1,
+    "study": "paper",
     "preset": "paper-entrainment",
     "studies": 200,
     "seed": 3,
@@ -39,8 +42,8 @@ def page(folder_of):
 def test_every_value_has_a_row(page):
     rows = page.tables["Published and simulated values"][1:]
     assert [row[:4] for row in rows] == [
-        ["GSI mean, SIA", "0.456", "0.441", "[0.390, 0.490]"],
-        ["GSI rise, SIA", "0.158", "0.072", "[0.005, 0.146]"],
+        ["mean index, SIA", "0.456", "0.441", "[0.390, 0.490]"],
+        ["gsi rise, SIA", "0.158", "0.072", "[0.005, 0.146]"],
         ["iterations won", "22", "21.5", "[14.0, 28.0]"],
         ["far", "5", "0.100", "[0.00, 0.20]"],
     ]
@@ -54,9 +57,7 @@ def test_every_value_has_a_row(page):
 
 def test_the_verdict_counts_and_names_what_is_outside(page):
     assert "2 of 4 published values lie inside the 95 % interval of 200 simulated studies" in page.text
-    assert (
-        "Outside are GSI rise, SIA and far. 1 of 3 values that were not used to fit the people lie inside." in page.text
-    )
+    assert "Outside: gsi rise, SIA; far. 1 of 3 values that were not used to fit the people lie inside." in page.text
 
 
 def test_each_row_shows_where_the_published_value_lies(page):
@@ -76,3 +77,15 @@ def test_findings_have_their_intervals(page):
 def test_without_findings_this_is_said(folder_of):
     page = read_page(write_report(folder_of("reproduce.json", {**CONTENT, "findings": []})))
     assert "No findings were computed." in page.text
+
+
+def test_another_study_names_conditions_and_what_people_did(folder_of):
+    row = {"value": "asynchrony [ms]", "condition": "metronome 70 %", "people": 10.5, "mean": 10.9, "low": 8.6}
+    row |= {"high": 13.1, "role": "held out", "source": "scheurich2018", "inside": True}
+    content = {"schema": 1, "study": "ashle", "versions": {}, "settings": {"studies": 100, "seed": 2}, "rows": [row]}
+    page = read_page(write_report(folder_of("reproduce.json", content)))
+    (shown,) = page.tables["Published and simulated values"][1:]
+    assert shown[:4] == ["asynchrony [ms], metronome 70 %", "10.5", "10.9", "[8.6, 13.1]"]
+    assert shown[5:] == ["inside", "held out"]
+    assert "sjasim reproduce ashle --studies 100 --seed 2 --out DIR" in page.text
+    assert "Iqbal" not in page.text.partition("What reviewers will ask")[0]

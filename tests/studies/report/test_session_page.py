@@ -2,78 +2,53 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from sjasim.analysis.session_metrics import measures
+from sjasim.analysis.group_metrics import group_metrics
+from sjasim.analysis.missing_events import missing_events
+from sjasim.analysis.session_metrics import logged_events, measures
 from sjasim.choreography.timetable import timetable
 from sjasim.config.toml_file import from_plain
 from sjasim.core import Kind
 from sjasim.core.session_log import Notice
 from sjasim.studies.report.folders import write_report
-from sjasim.studies.report.step_events import (
-    LOGGED,
-    NOT_LOGGED,
-    NOT_PERFORMED,
-    count_missing,
-    iteration_events,
-)
+from sjasim.studies.report.session_events import iteration_events
 
 from .html_page import read_page
 
 
 def events_of(log):
     config = from_plain(log.config)
-    return iteration_events(log, config, timetable(config))
+    table = timetable(config)
+    rows = group_metrics(logged_events(log), config, table, log.followed)
+    return iteration_events(log, config, table, rows, missing_events(log))
 
 
 @pytest.fixture
 def faulty_log(make_session_log):
-    """A session in which one event of dancer 2 was not logged, one was not danced, and the robot missed a step."""
+    """A session of which one clap of dancer 2 was not logged, and a false event of dancer 1 was."""
     log = make_session_log("sia", iterations=2)
     lost = next(e for e in log.events if (e.person, e.kind, e.iteration) == ("dancer_2", Kind.CLAP, 2))
-    not_danced = [c for c in log.cues if (c.dancer, c.iteration, c.ordinal) == ("dancer_3", 1, 0)]
-    absent = [e for e in log.events if (e.person, e.iteration) == ("dancer_3", 1)][:2]
-    missed = next(e for e in log.robot_events if (e.iteration, e.kind) == (2, Kind.TURN))
-    return replace(
-        log,
-        events=tuple(e for e in log.events if e is not lost and e not in absent),
-        cues=tuple(c for c in log.cues if c not in not_danced),
-        robot_events=tuple(e for e in log.robot_events if e is not missed),
-    )
+    first = next(e for e in log.events if (e.person, e.iteration) == ("dancer_1", 1))
+    false = replace(first, t_s=first.t_s + 1.0)
+    return replace(log, events=(*(e for e in log.events if e is not lost), false))
 
 
-def test_every_step_of_every_iteration_has_a_status(make_session_log):
-    found = events_of(make_session_log("sia", iterations=2))
+def test_every_logged_event_stands_in_its_iteration(make_session_log):
+    log = make_session_log("sia", iterations=2)
+    found = events_of(log)
     assert [item.iteration for item in found] == [0, 1, 2]
-    assert [len(item.steps) for item in found] == [27, 36, 36]
-    assert {step.status for item in found for step in item.steps} == {LOGGED}
+    assert [len(item.logged) for item in found] == [27, 36, 36]
+    assert [item.followed for item in found] == ["", *(item.person for item in log.followed)]
+    # In iteration 1 nobody is followed.
+    assert [len(item.links) for item in found] == [0, 0, 9]
 
 
-def test_an_event_that_was_not_logged_is_no_step_that_was_not_performed(faulty_log):
+def test_a_lost_and_a_false_event_are_told_apart(faulty_log):
     found = events_of(faulty_log)
-    dancers = count_missing(found, False)
-    assert (dancers[NOT_LOGGED], dancers[NOT_PERFORMED]) == (1, 2)
-    assert count_missing(found, True)[NOT_PERFORMED] == 1
-    lost = [step for item in found for step in item.steps if step.status == NOT_LOGGED]
-    assert [(step.agent, step.kind) for step in lost] == [("dancer_2", Kind.CLAP)]
-
-    # The clap was performed at a known time; the robot's turn was due at the dancers' mean.
-    config = from_plain(faulty_log.config)
-    start_s = timetable(config).start_s(2)
-    clap = next(c for c in faulty_log.cues if (c.dancer, c.iteration, c.move) == ("dancer_2", 2, "clap"))
-    assert lost[0].t_s == pytest.approx(clap.t_s - start_s)
-    turn = next(step for step in found[2].steps if step.agent == "robot" and step.status == NOT_PERFORMED)
-    claps = [e.t_s - start_s for e in faulty_log.events if (e.kind, e.iteration) == (Kind.CLAP, 2)]
-    assert turn.t_s == pytest.approx(np.mean(claps))
-
-
-def test_an_event_without_a_step_is_kept(make_session_log):
-    log = make_session_log("sia", iterations=1)
-    first = next(e for e in log.events if e.iteration == 1 and e.kind == Kind.START_FORWARD)
-    twice = replace(first, t_s=first.t_s + 0.3)
-    found = events_of(replace(log, events=(*log.events, twice)))
-    assert [(event.agent, event.kind) for event in found[1].extra] == [(first.person, Kind.START_FORWARD)]
+    assert [(event.agent, event.kind) for event in found[2].not_logged] == [("dancer_2", Kind.CLAP)]
+    assert [(event.agent, event.kind) for event in found[1].false] == [("dancer_1", Kind.START_FORWARD)]
+    assert len(found[1].logged) == 36
 
 
 def test_the_figures_are_those_of_session_json(make_session_log, session_of):
@@ -93,11 +68,11 @@ def test_the_figures_are_those_of_session_json(make_session_log, session_of):
     assert f"{summary['gsi_full_edges']:.2f} of 1" in page.text
 
 
-def test_the_raster_has_a_marker_for_every_step_and_says_what_is_missing(faulty_log, session_of):
+def test_the_raster_says_what_is_missing(faulty_log, session_of):
     page = read_page(write_report(session_of(faulty_log)))
     described = {title: text for title, text, _ in page.drawings}["Events of all iterations"]
-    assert "95 of 99 steps have a logged event; 4 are marked as missing." in described
-    assert "Of 81 steps of the dancers 1 were performed but not logged; the robot missed 1 of 18." in page.text
+    assert "98 events are logged, 1 happened and are not logged" in described
+    assert "Of the dancers' events 1 were not logged, and 1 logged ones did not happen" in page.text
 
 
 def test_the_robot_is_late_in_words_and_in_the_chart(make_session_log, session_of):

@@ -130,7 +130,7 @@ def test_the_difference_is_the_better_method_minus_the_other(paper_study):
         content["gsi_full_edges"][name]["mean"] = mean
     (item,) = [item for item in content["comparisons"] if item["measure"] == "gsi_full_edges"]
     item |= {"difference": -0.2, "low": -0.3, "high": -0.1, "p_adjusted": 0.01}
-    assert "difference 0.20; 95 % interval 0.10 to 0.30; p = 0.010" in verdict(content)[0]
+    assert "difference 0.20, 95 % interval 0.10 to 0.30, p = 0.010" in verdict(content)[0]
 
 
 def test_what_is_missing_is_said(folder_of, paper_study):
@@ -147,9 +147,12 @@ def test_a_power_analysis_beside_the_study_is_shown(folder_of, paper_study):
         {"groups": 9, "power": 0.5, "low": 0.43, "high": 0.57},
         {"groups": 18, "power": 0.81, "low": 0.75, "high": 0.87},
     ]
-    (folder / "power.json").write_text(json.dumps({"schema": 1, "rows": rows, "groups_needed": 18}), encoding="utf-8")
+    design = {"methods": ["eca", "sia"], "target": 0.8, "measure": "gsi", "max_groups": 18}
+    needed = {"groups_needed": 18, "groups_needed_low": 15, "groups_needed_high": None}
+    power = {"schema": 1, "rows": rows, "design": design, **needed}
+    (folder / "power.json").write_text(json.dumps(power), encoding="utf-8")
     page = read_page(write_report(folder))
-    assert "18 groups are needed." in page.text
+    assert "18 groups are needed to find the difference between ECA and SIA with a power of 80 %." in page.text
     assert "18 groups: 81 %" in next(text for title, text, _ in page.drawings if title.startswith("Power"))
 
 
@@ -192,6 +195,17 @@ def test_many_groups_and_conditions_are_counted_where_they_are_left_out(folder_o
     assert "The charts leave out the last 2 conditions" in page.text
     assert "5 further groups are in iterations.parquet" in page.text
     assert "SIA dance.bpm=105" in page.text
+
+
+def test_a_study_that_was_not_compared_has_the_means_of_its_conditions(folder_of, paper_study):
+    means = {"mean": 0.5, "sd": 0.1, "low": 0.4, "high": 0.6, "n": 9}
+    row = {"condition": "sia dance.bpm=100", "method": "sia", "factors": {"dance.bpm": 100}, "sessions": 9}
+    row |= dict.fromkeys(("gsi", "gsi_full_edges", "gsi_humans"), means) | {"ta_mean_s": dict.fromkeys(means)}
+    content = {"schema": 1, "design": paper_study["design"], "conditions": ["sia dance.bpm=100"], "by_condition": [row]}
+    page = read_page(write_report(folder_of("study.json", {**content, "notices": ["13 conditions are too many"]})))
+    assert page.tables["Means over groups"][1] == ["SIA dance.bpm=100", "9", *["0.500", "[0.400, 0.600]"] * 3, "–", "–"]
+    assert "The conditions of this study were not compared." in page.text
+    assert "13 conditions are too many" in page.text
 
 
 def test_replications_have_a_table(folder_of):
