@@ -136,10 +136,10 @@ def _statistics(row: Any, where: str) -> DelayStatistics:
         raise ConfigError(where, row, "a table with missed and delay_s")
 
     missed = row.get("missed")
-    if not isinstance(missed, int | float) or not 0.0 <= missed <= 1.0:
+    if isinstance(missed, bool) or not isinstance(missed, int | float) or not 0.0 <= missed <= 1.0:
         raise ConfigError(f"{where}.missed", missed, "a probability from 0 to 1")
     rate = row.get("false_per_minute", 0.0)
-    if not isinstance(rate, int | float) or not 0.0 <= rate <= 60.0:
+    if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0.0 <= rate <= 60.0:
         raise ConfigError(f"{where}.false_per_minute", rate, "a rate from 0 to 60")
 
     delay_s = np.array(row.get("delay_s", ()), dtype=np.float64)

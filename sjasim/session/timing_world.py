@@ -86,7 +86,6 @@ class TimingWorld:
         active: name of the sensor that reports the events; the session sets it.
         end_s: session time at which the dance is over [s].
         cues: what the dancers planned so far.
-        robot_events: what the robot did so far.
         notices: what went wrong so far.
         watchers: not called, because there are no frames.
     """
@@ -100,7 +99,8 @@ class TimingWorld:
         self.end_s = timetable.end_s() + config.dance.tail_s
         self.active = CARDINALS[0]
         self.watchers: list[Callable[[float], None]] = []
-        self.robot_events: list[AgentEvent] = []
+        self._robot_events: list[AgentEvent] = []
+        """What the robot does, some of it in the future: an event follows its command by a known delay."""
         self.recorder = NoGroundTruth(config.dancers)
         self.time_s = 0.0
 
@@ -119,6 +119,11 @@ class TimingWorld:
         self._add_status_reports()
         self._add_false_events(config.dancers)
 
+    @property
+    def robot_events(self) -> list[AgentEvent]:
+        """What the robot has done so far."""
+        return [event for event in self._robot_events if event.t_s <= self.time_s]
+
     def next_instant_s(self, t_s: float) -> float:
         """Return ``t_s``: this world has no ticks; see `World`."""
         return t_s
@@ -127,7 +132,7 @@ class TimingWorld:
         """Hand a message to the device that it is for; sensor clients ignore orders and requests; see `World`."""
         if isinstance(message, MoveCommand):
             for t_s, kind in self._robot.receive(t_arrival_s, message):
-                self._add(t_s, self._perform, t_s, kind)
+                self._robot_events.append(AgentEvent(self._timetable.iteration_at(t_s), ROBOT, kind, t_s))
         return None
 
     def latest_frame(self, sensor: str) -> SkeletonFrame | None:
@@ -190,10 +195,6 @@ class TimingWorld:
     def _detect(self, t_s: float, dancer: int, kind: Kind, early: bool) -> UplinkMessage:
         """The report of the sensor that is active now."""
         return DeviceEvent(self.active, dancer, kind, t_s, early)
-
-    def _perform(self, t_s: float, kind: Kind) -> None:
-        """Record an event of the robot."""
-        self.robot_events.append(AgentEvent(self._timetable.iteration_at(t_s), ROBOT, kind, t_s))
 
 
 def check_supported(config: SessionConfig) -> None:

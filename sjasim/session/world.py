@@ -64,7 +64,6 @@ class World(Protocol):
         active: name of the sensor whose skeletons and visibility are recorded; the session sets it.
         end_s: session time at which the dance is over [s].
         cues: what the dancers have planned so far.
-        robot_events: what the robot has done so far, from its odometry.
         notices: what has gone wrong so far.
         watchers: functions that are called with the session time at every frame. They observe and change nothing.
     """
@@ -73,9 +72,13 @@ class World(Protocol):
     active: str
     end_s: float
     cues: list[Cue]
-    robot_events: list[AgentEvent]
     notices: list[Notice]
     watchers: list[Callable[[float], None]]
+
+    @property
+    def robot_events(self) -> list[AgentEvent]:
+        """What the robot has done so far, from its odometry."""
+        ...
 
     @property
     def recorder(self) -> Recorder:
