@@ -104,6 +104,18 @@ def ticks(low: float, high: float, count: int = 5) -> list[float]:
     return [round(index * step, 10) for index in range(first, last + 1)]
 
 
+def axis_top(highest: float, count: int = 5) -> float:
+    """End of an axis from 0 that holds a value: the next round value above it.
+
+    Args:
+        highest: largest value that is drawn, above 0.
+        count: about how many ticks the axis has.
+    """
+    marks = ticks(0.0, highest, count)
+    step = marks[1] - marks[0]
+    return step * math.ceil(highest / step - 1e-9)
+
+
 def tick_texts(values: Sequence[float]) -> list[str]:
     """The values as texts, all with as many decimals as one of them needs."""
     decimals = max((len(f"{value:.3f}".rstrip("0").partition(".")[2]) for value in values), default=0)

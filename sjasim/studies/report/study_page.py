@@ -32,6 +32,9 @@ from .text import NAME_CHARACTERS, condition_text, counted, difference, interval
 POWER_FILE = "power.json"
 """File with a power analysis, which may lie in the folder of a study."""
 
+MOST_PAIRS = 6
+"""Largest number of differences that the verdict lists one by one."""
+
 SECTIONS = (
     ("asked", "What was asked"),
     ("synchrony", "Synchrony"),
@@ -159,19 +162,30 @@ def _synchrony_sentence(content: Mapping[str, Any], conditions: Sequence[str]) -
 
 
 def _many_sentence(content: Mapping[str, Any], conditions: Sequence[str], best: str) -> str:
-    """The best of several conditions, and those that it is shown to be better than."""
-    beaten = []
-    for name in conditions:
-        item = _comparison(content, "gsi_full_edges", best, name)
-        if name != best and item is not None and is_shown(item):
-            beaten.append(condition_text(name))
+    """The best of several conditions, and the differences that are shown."""
     figure = number(content["gsi_full_edges"][best]["mean"], 2)
     first = (
         f"Of {len(conditions)} conditions, {condition_text(best)} has the highest synchronisation index ({figure} of 1)"
     )
-    if not beaten:
-        return f"{first}, but no difference to another one is shown after adjustment for several comparisons."
-    return f"{first}; it is shown to be above {listed(beaten)}."
+    return f"{first}. {_shown_sentence(content, 'gsi_full_edges', 'more synchronous')}"
+
+
+def _shown_sentence(content: Mapping[str, Any], measure: str, better: str) -> str:
+    """Which of several conditions are shown to differ in a measure, and which are not."""
+    pairs = [item for item in content["comparisons"] if item["measure"] == measure]
+    shown = []
+    for item in pairs:
+        if is_shown(item):
+            # A higher index and a smaller distance are better.
+            second_is_better = (item["difference"] > 0) == (measure != "ta_mean_s")
+            names = (item["second"], item["first"]) if second_is_better else (item["first"], item["second"])
+            shown.append(" than ".join(map(condition_text, names)))
+    open_pairs = [" and ".join(map(condition_text, (i["first"], i["second"]))) for i in pairs if not is_shown(i)]
+    if len(pairs) > MOST_PAIRS:
+        return f"Of {len(pairs)} differences, {len(shown)} are shown after adjustment for several comparisons."
+
+    sentence = f"Shown to be {better}: {listed(shown)}. " if shown else ""
+    return sentence + (f"No difference is shown between {'; '.join(open_pairs)}." if open_pairs else "")
 
 
 def _timing_sentence(content: Mapping[str, Any], conditions: Sequence[str]) -> str:
@@ -185,7 +199,9 @@ def _timing_sentence(content: Mapping[str, Any], conditions: Sequence[str]) -> s
     own = number(figures[best]["mean_s"], 2)
     first = f"The robot is nearest to the dancers under {condition_text(best)}: {own} s on average"
     if len(known) != 2:
-        return f"{first}{', ' if others else ''}{listed(others)}."
+        others = others[:MOST_PAIRS]
+        against = f", against {listed(others)}" if others else ""
+        return f"{first}{against}. {_shown_sentence(content, 'ta_mean_s', 'nearer')}".strip()
 
     item = _comparison(content, "ta_mean_s", *known)
     shown = "" if item is not None and is_shown(item) else ", which the groups do not show to be a difference"

@@ -7,7 +7,7 @@ from typing import Any
 
 from .page import Question
 from .study_synchrony import chance_of, robot_conditions
-from .text import condition_text, counted, interval, listed, number, percent, signed
+from .text import condition_text, counted, interval, listed, number, p_value, percent, signed
 
 FEW_GROUPS = 20
 """Number of groups below which the page says that they are few (assumed)."""
@@ -117,21 +117,28 @@ def _groups(content: Mapping[str, Any]) -> Question:
 
 
 def _control(content: Mapping[str, Any]) -> list[Question]:
-    conditions = robot_conditions(content)
-    if not any(name.startswith("sia") for name in conditions):
+    if "sia" not in robot_conditions(content):
         return []
-    if any(name.startswith("random-dancer") for name in conditions):
-        answer = (
-            "Compare it with random-dancer, which follows a dancer chosen at random just as quickly. Only what SIA "
-            "gains over that control is due to the choice of the most synchronous dancer."
-        )
-    else:
+    item = next((item for item in content["comparisons"] if _is_control(item)), None)
+    if item is None:
         answer = (
             "This study cannot say. It lacks the control random-dancer, which follows a dancer chosen at random just "
             "as quickly; the published study lacks it too. SIA may win because it reacts, not because of "
             "whom it follows."
         )
+    else:
+        sign = 1.0 if item["second"] == "sia" else -1.0
+        answer = (
+            "Compare SIA with random-dancer, which follows a dancer chosen at random just as quickly: SIA minus "
+            f"random-dancer is {signed(sign * item['difference'])} with all edges ({p_value(item['p_adjusted'])}). "
+            "Only what SIA gains over that control is due to the choice of the most synchronous dancer."
+        )
     return [Question("Does it matter whom the robot follows?", answer)]
+
+
+def _is_control(item: Mapping[str, Any]) -> bool:
+    """Whether a comparison is that of SIA with its control."""
+    return item["measure"] == "gsi_full_edges" and {item["first"], item["second"]} == {"sia", "random-dancer"}
 
 
 def _rehearsal() -> Question:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...assets import published_study as published
-from .axes import ticks
+from .axes import axis_top
 from .charts import Bars, Curve, Interval, cumulative_curves, histogram, intervals, line_style
 from .page import Cell, Figure, Table, numbers
 from .study_synchrony import charted_conditions, legend, robot_conditions
@@ -44,8 +44,7 @@ def timing_figures(content: Mapping[str, Any], styles: Mapping[str, tuple[str, s
     if not conditions:
         return []
     # Histograms that stand side by side have the same scale.
-    highest = max(max(*_shares(content["ta"][name])) for name in conditions)
-    top = ticks(0.0, max(1.15 * highest, 5.0))[-1]
+    top = axis_top(max(share for name in conditions for share in _shares(content["ta"][name])))
     return [
         *(_histogram_figure(content["ta"][name], curves[name], top) for name in conditions),
         _cumulative_figure(content, list(curves.values())),
@@ -133,7 +132,10 @@ def event_test_sentence(content: Mapping[str, Any]) -> str:
     )
     if set(test["pair"]) == {"eca", "sia"}:
         sentence += f" Published are z = {number(published.WILCOXON_Z, 2)} and r = {number(published.WILCOXON_R, 2)}."
-    return f"{sentence} {test['warning']}"
+    return (
+        f"{sentence} Steps of a session depend on each other, so that this test finds differences too often. The tests "
+        "above take the group as the unit."
+    )
 
 
 def is_shown(item: Mapping[str, Any]) -> bool:

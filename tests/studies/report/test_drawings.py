@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sjasim.studies.report.axes import Scale, padded, tick_texts, ticks
+from sjasim.studies.report.axes import Scale, axis_top, padded, tick_texts, ticks
 from sjasim.studies.report.charts import Bars, Curve, Interval, Line, by_category, histogram, intervals
 from sjasim.studies.report.svg import MARKERS, Drawing, swatch
 from sjasim.studies.report.text import counted, interval, listed, number, p_value, percent, shortened, signed
@@ -22,6 +22,14 @@ def test_ticks_are_round_inside_and_evenly_spaced(low, width):
     assert all(low - 1e-6 * width <= value <= low + width * (1 + 1e-6) for value in values)
     gaps = {round(b - a, 6) for a, b in itertools.pairwise(values)}
     assert max(gaps) == pytest.approx(min(gaps), rel=1e-3)
+
+
+@given(st.floats(0.01, 1e5))
+def test_an_axis_ends_just_above_what_it_holds(highest):
+    top = axis_top(highest)
+    assert highest <= top * (1 + 1e-6)
+    assert top <= 1.5 * highest
+    assert ticks(0.0, top)[-1] == pytest.approx(top, rel=1e-6)
 
 
 def test_ticks_have_as_many_decimals_as_one_of_them_needs():

@@ -133,6 +133,17 @@ def test_the_difference_is_the_better_method_minus_the_other(paper_study):
     assert "difference 0.20, 95 % interval 0.10 to 0.30, p = 0.010" in verdict(content)[0]
 
 
+def test_of_several_conditions_the_shown_differences_are_named():
+    content = study_content(methods=("eca", "sia", "random-dancer"), groups=4)
+    for item in content["comparisons"]:
+        item |= {"difference": 0.2, "p_adjusted": 0.01 if item["first"] == "eca" else 0.6}
+    first, second, *_ = verdict(content)
+    assert "Shown to be more synchronous: SIA than ECA and random-dancer than ECA." in first
+    assert "No difference is shown between SIA and random-dancer." in first
+    # A greater distance from the dancers is worse.
+    assert "Shown to be nearer: ECA than SIA and ECA than random-dancer." in second
+
+
 def test_what_is_missing_is_said(folder_of, paper_study):
     content = {**paper_study, "chance": dict.fromkeys(paper_study["conditions"])}
     page = read_page(write_report(folder_of("study.json", content)))
@@ -169,7 +180,7 @@ def test_other_people_and_a_control_change_the_questions(folder_of):
     content["design"] = {**content["design"], "humans": ["musicians"]}
     page = read_page(write_report(folder_of("study.json", content)))
     assert "built into the people" not in page.text
-    assert "Compare it with random-dancer" in page.text
+    assert "SIA minus random-dancer is " in page.text
     assert "Of 3 conditions" in page.text
 
 
