@@ -44,6 +44,7 @@ def command(arguments: Sequence[str], program: str = "python -m sjasim.benchmark
     sys.stderr.write("measuring sessions and their bare physics ...\n")
     config = SessionConfig(method=options.method, sensing="joints", seed=options.seed, iterations=options.iterations)
     measured = profile(config) | profile_env() | profile_depth(config) | profile_workers()
+    measured |= figures.profile_timing(config)
     machine = figures.machine()
     report = {"schema": 1, "command": " ".join([program, *arguments]), "machine": machine}
     report |= {"versions": figures.versions(), **figures.benchmark_figures(measured, figures.import_time_s())}

@@ -171,7 +171,7 @@ class Dispatcher:
 
     def _update_due(self) -> None:
         """Recompute when something is due next."""
-        self._pending_due_s = min((item.t_s for item in self._pending.values()), default=math.inf)
+        self._pending_due_s = min([item.t_s for item in self._pending.values()], default=math.inf)
         timer_s = self._timers_s[0] if self._timers_s else math.inf
         self.next_due_s = min(self._pending_due_s, self._repeat_due_s, timer_s)
 

@@ -6,9 +6,13 @@ import os
 import platform
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
+
+from ..config import SessionConfig
 
 UNITS = {
     "raw_physics_sim_s_per_cpu_s": "s/s",
@@ -47,7 +51,8 @@ def benchmark_figures(profile: Mapping[str, Any], import_time_s: float) -> dict[
             ``decisions``, the number of calls of the method; ``peak_mb``; ``env_steps``, ``env_cpu_s`` and
             ``env_raw_cpu_s`` of the environment and the bare physics of its steps; ``depth_sim_s`` and ``depth_cpu_s``
             of a session with depth sensing, ``depth_frames`` and ``depth_frame_cpu_s`` of its active sensor;
-            ``async_steps_per_s`` of one worker and of two. A figure whose parts are absent is None.
+            ``async_steps_per_s`` of one worker and of two; ``timing_sessions`` and ``timing_cpu_s`` of sessions in
+            fidelity timing. A figure whose parts are absent is None.
         import_time_s: duration of ``import sjasim`` [s].
 
     Returns:
@@ -73,6 +78,7 @@ def benchmark_figures(profile: Mapping[str, Any], import_time_s: float) -> dict[
         "env_steps_per_s": _ratio(profile.get("env_steps"), profile.get("env_cpu_s")),
         "env_ratio_to_raw": _ratio(profile.get("env_raw_cpu_s"), profile.get("env_cpu_s")),
         "async2_speedup": _ratio(two_workers, one_worker),
+        "timing_session_cpu_s": _ratio(profile.get("timing_cpu_s"), profile.get("timing_sessions")),
         "import_s": import_time_s,
         "peak_mb": profile.get("peak_mb"),
     }
@@ -80,6 +86,28 @@ def benchmark_figures(profile: Mapping[str, Any], import_time_s: float) -> dict[
     # Divided by 1000 so that seconds per frame become milliseconds.
     kiloframes = None if sim_s is None else sim_s * FRAME_HZ / 1000
     return {"figures": figures, "room_ms_per_frame": {name: _ratio(spent, kiloframes) for name, spent in parts.items()}}
+
+
+def profile_timing(config: SessionConfig, sessions: int = 50) -> dict[str, float]:
+    """Measure sessions in fidelity timing, with their rows of a study's tables.
+
+    Args:
+        config: method, people and first seed.
+        sessions: number of measured sessions; a few more run before, which import modules and fill caches.
+
+    Returns:
+        ``timing_sessions`` and ``timing_cpu_s``, as `benchmark_figures` takes them.
+    """
+    from .study_parts import simulated
+
+    configs = [replace(config, fidelity="timing", seed=config.seed + number) for number in range(sessions + 3)]
+    for number, warm_up in enumerate(configs[:3]):
+        simulated(warm_up, number)
+
+    start_s = time.process_time()
+    for number, measured in enumerate(configs[3:]):
+        simulated(measured, number)
+    return {"timing_sessions": float(sessions), "timing_cpu_s": time.process_time() - start_s}
 
 
 def table_rows(report: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
