@@ -284,15 +284,15 @@ class Server:
 
         t_s = self._to_session_time(sensor, report.t_device_s, t_arrival_s)
         facing = self._selector.facing(sensor, report.person)
-        expected = self._selector.expected(t_s)
-        is_faced = sensor == self.active or (sensor in expected and facing >= MIN_FACING)
-        assists = report.kind is Kind.CLAP and self._assistance.accepts(name, t_s)
-        if not (is_faced or assists):
-            return None
+        if sensor != self.active:
+            is_faced = facing >= MIN_FACING and sensor in self._selector.expected(t_s)
+            assists = report.kind is Kind.CLAP and self._assistance.accepts(name, t_s)
+            if not (is_faced or assists):
+                return None
 
         # Only a client that replaces a dead one faces the dancers' backs. An expected sensor sees a back only while the
         # dancer turns, so its kinds are not exchanged.
-        mirrored = sensor not in expected and facing < BACK_VIEW
+        mirrored = facing < BACK_VIEW and sensor not in self._selector.expected(t_s)
         return self._merger.merge(report, name, t_s, t_arrival_s, mirrored=mirrored)
 
     def _report_unknown(self, t_s: float, sensor: str, person: int) -> None:
