@@ -21,9 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..anticipation.pair_kernel import pair_indices
 from ..core import Array, BoolArray, IntArray
 from .event_rows import EventRows
-from .surrogate_kernel import pair_indices
 
 DRAWS = 1000
 """Number of surrogate sessions, rounded up to whole replications of the study."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +60,53 @@ def microseconds(times_s: Sequence[float] | Array) -> IntArray:
     if times.ndim != 1 or not np.isfinite(times).all():
         raise ConfigError("times", times_s, "a flat sequence of finite seconds")
     return np.rint(times * 1e6).astype(np.int64)
+
+
+class EncodedEvents(NamedTuple):
+    """Events of H agents as arrays for compiled code.
+
+    Attributes:
+        times_us: (N,) times of all events [us], agent by agent.
+        kinds: (N,) number of each event's kind, from 0.
+        slices: (H, 2) first event of each agent, and the one after the last.
+        tau_us: two events coincide if they are less than this apart [us].
+        kind_count: number of kinds.
+    """
+
+    times_us: IntArray
+    kinds: IntArray
+    slices: IntArray
+    tau_us: int
+    kind_count: int
+
+
+def encoded_events(series: Sequence[Series], tau: float) -> EncodedEvents:
+    """Convert the events of each of H agents, in any order, to arrays.
+
+    Args:
+        series: events of each agent.
+        tau: two events coincide if they are less than this apart [s].
+
+    Raises:
+        ConfigError: tau is not positive, times are not finite, or times and kinds differ in length.
+    """
+    if not tau > 0.0:
+        raise ConfigError("tau", tau, "a positive number of seconds")
+
+    codes: dict[str, int] = {}
+    kinds: list[int] = []
+    ends = [0]
+    for times_s, names in series:
+        if len(times_s) != len(names):
+            raise ConfigError("kinds", len(names), f"as many as times: {len(times_s)}")
+        # A turn is what the robot does where the dancers clap.
+        kinds += [codes.setdefault(Kind.CLAP if name == Kind.TURN else name, len(codes)) for name in names]
+        ends.append(len(kinds))
+
+    times = [np.asarray(times_s, dtype=np.float64) for times_s, _ in series]
+    times_us = microseconds(np.concatenate([np.zeros(0), *times]))
+    slices = np.array([ends[:-1], ends[1:]], dtype=np.int64).T
+    return EncodedEvents(times_us, np.array(kinds, dtype=np.int64), slices.copy(), round(tau * 1e6), len(codes))
 
 
 @dataclass(frozen=True, slots=True)

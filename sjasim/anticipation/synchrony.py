@@ -17,7 +17,8 @@ import numpy as np
 
 from ..core import ROBOT, Array
 from ..core.errors import ConfigError
-from .coincidences import BoolArray, Series, count_coincidences
+from .coincidences import BoolArray, Series, count_coincidences, encoded_events
+from .pair_kernel import pair_indices as compiled_indices
 
 TIE_TOLERANCE = 1e-9
 """Individual indices that differ by at most this are tied; smaller differences are due to rounding."""
@@ -230,8 +231,14 @@ def pair_indices(series: Mapping[str, Series], tau: float = 0.25, one_to_one: bo
     Source: iqbal2016, eq. (4).
     """
     agents = tuple(series)
-    counted = count_coincidences(tuple(series.values()), tau, one_to_one)
-    return PairIndices(agents, np.where(np.eye(len(agents), dtype=bool), 0.0, counted.index), counted.empty)
+    if one_to_one:
+        counted = count_coincidences(tuple(series.values()), tau, one_to_one)
+        return PairIndices(agents, np.where(np.eye(len(agents), dtype=bool), 0.0, counted.index), counted.empty)
+
+    events = encoded_events(tuple(series.values()), tau)
+    index = compiled_indices(events.times_us, events.kinds, events.slices[None], events.tau_us, events.kind_count)[0]
+    counts = events.slices[:, 1] - events.slices[:, 0]
+    return PairIndices(agents, index, np.add.outer(counts, counts) == 0)
 
 
 def group_graph(

@@ -12,7 +12,6 @@ from scipy.spatial import cKDTree
 from sjasim.analysis.event_rows import event_rows
 from sjasim.analysis.study_summary import study_summary
 from sjasim.analysis.study_values import select_sessions
-from sjasim.analysis.surrogate_kernel import pair_indices
 from sjasim.analysis.surrogates import (
     chance_level,
     interval_shuffle,
@@ -20,6 +19,7 @@ from sjasim.analysis.surrogates import (
     pseudo_groups,
     uniform_shift,
 )
+from sjasim.anticipation.pair_kernel import pair_indices
 from sjasim.anticipation.synchrony import pair_index
 
 from .synthetic_study import nested_study

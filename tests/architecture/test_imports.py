@@ -37,6 +37,7 @@ ONLY = {
     "analysis": {
         "anticipation": {
             "anticipation.coincidences",
+            "anticipation.pair_kernel",
             "anticipation.synchrony",
             "anticipation.timing_appropriateness",
         },

@@ -1,7 +1,7 @@
-"""Compiled pairwise synchronisation indices of many groups at once.
+"""Compiled pairwise synchronisation indices, of one group or of many at once.
 
-The indices are those of `anticipation.coincidences.count_coincidences`, whose arrays of NumPy are slower for the many
-small groups of surrogates.
+The indices are those of `coincidences.count_coincidences`, which also gives the index of each kind and the bounded
+variant, but takes longer for the few events of an iteration.
 """
 
 from __future__ import annotations
