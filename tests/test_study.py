@@ -19,6 +19,9 @@ def test_a_small_study_prints_its_conditions_and_writes_a_data_set(tmp_path, cap
     assert "2 groups, 6 sessions, timing fidelity, paper-entrainment" in said.out
     assert max(map(len, said.out.splitlines())) <= 80
     assert [line.split()[1] for line in said.out.splitlines() if line.startswith("│")] == ["none", "eca", "sia"]
+    assert said.out.startswith("sia against eca: no difference of GSI is shown, no difference of TA is shown\n")
+    assert "too few for pseudo-groups" in said.out
+    assert "Wilcoxon by step: z = " in said.out
     assert f"study written to {folder}" in said.err
     assert read_study(folder).sessions["order"].tolist() == [1, 2, 3, 1, 2, 3]
 
@@ -41,7 +44,7 @@ def test_a_design_file_factors_and_options_of_several_methods_come_together(tmp_
     assert design["session"]["method_options"] == {"window_s": 1.2}
     assert design["factors"] == {"network.packet_loss": [0, 0.5]}
     assert results["session_count"] == 8
-    assert [row["condition"] for row in results["conditions"]] == [
+    assert [row["condition"] for row in results["by_condition"]] == [
         "sia network.packet_loss=0", "sia network.packet_loss=0.5",
         "metronome network.packet_loss=0", "metronome network.packet_loss=0.5",
     ]  # fmt: skip

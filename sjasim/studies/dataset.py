@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -163,6 +163,15 @@ class StudyReader:
                 path = self.folder / table_file(table)
                 raise RecordError(f"{path}: session {strangers[0]} is not in the table of sessions")
         return StudyTables(**tables)
+
+
+def concatenated(parts: Sequence[StudyTables]) -> StudyTables:
+    """Join the tables of disjoint sessions, in the given order."""
+    joined = {}
+    for table in TABLES:
+        columns = [getattr(part, table) for part in parts]
+        joined[table] = {name: np.concatenate([column[name] for column in columns]) for name in columns[0]}
+    return StudyTables(**joined)
 
 
 def _rows_of(file: pq.ParquetFile, first: int, last: int) -> pa.Table:

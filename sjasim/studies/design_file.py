@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -121,9 +122,10 @@ def _levels(text: str) -> tuple[Level, ...]:
 
 
 def _level(text: str) -> Level:
-    """One level: a value of TOML, else a string."""
-    try:
+    """One level: a value of TOML, else a number such as ``.2``, which TOML does not allow, else a string."""
+    with contextlib.suppress(tomllib.TOMLDecodeError):
         level: Level = tomllib.loads(f"level = {text}")["level"]
-    except tomllib.TOMLDecodeError:
-        return text
-    return level
+        return level
+    with contextlib.suppress(ValueError):
+        return float(text)
+    return text

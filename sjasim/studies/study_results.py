@@ -12,12 +12,13 @@ import numpy as np
 
 from ..analysis.study_tables import Columns
 from ..core.errors import RecordError
-from .dataset import StudyReader, table_file
+from .dataset import StudyReader, concatenated, table_file
 from .design_file import design_to_plain
 from .missing_data import Exclusions, with_rule
 from .study_design import StudyPlan
 from .study_folder import STUDY_FILE
 from .study_parts import Failure
+from .table_format import TABLES
 
 SCHEMA = 1
 """Version of the keys of study.json."""
@@ -30,9 +31,21 @@ CONFIDENCE = 0.95
 MOST_FAILURES = 100
 """Failed sessions that study.json names; it counts all."""
 
+MOST_GROUPS = 300
+"""Groups of a replication for which `study_summary` is computed: resampling more of them needs too much memory."""
+
+MOST_SESSIONS = 20_000
+"""Sessions for which the figures of `study_summary` are computed, in whole replications."""
+
+MOST_CONDITIONS = 12
+"""Conditions up to which `study_summary` is computed: it compares every pair."""
+
 
 def study_results(folder: Path, plan: StudyPlan, failures: Sequence[Failure]) -> dict[str, Any]:
-    """Analyse a complete data set, block by block.
+    """Analyse a complete data set.
+
+    Means by condition are computed over all sessions, block by block. Tests, intervals and chance levels are those of
+    `analysis.study_summary`, over as many groups as fit in memory; a notice says so if there are more.
 
     Args:
         folder: folder of the study.
@@ -42,22 +55,63 @@ def study_results(folder: Path, plan: StudyPlan, failures: Sequence[Failure]) ->
     Returns:
         The content of study.json without ``versions`` and ``cost``.
     """
+    reader = StudyReader(folder, complete=False)
     statistics = ConditionStatistics(plan)
     left_out = Exclusions()
-    for block in StudyReader(folder, complete=False).blocks(events=False):
+    for block in reader.blocks(events=False):
         tables, exclusions = with_rule(block, plan.design.missing)
         statistics.add(tables.sessions)
         left_out += exclusions
 
+    summary = _summary(reader, plan)
     return {
         "schema": SCHEMA,
         "design": design_to_plain(plan.design),
-        "sessions": table_file("sessions"),
+        "tables": {table: table_file(table) for table in TABLES},
         "session_count": len(plan),
-        "conditions": statistics.rows(),
+        "by_condition": statistics.rows(),
+        **summary,
         "failures": {"count": len(failures), "first": [failure.what for failure in failures[:MOST_FAILURES]]},
-        "notices": left_out.notices(),
+        "notices": [*left_out.notices(), *summary["notices"]],
     }
+
+
+def _summary(reader: StudyReader, plan: StudyPlan) -> dict[str, Any]:
+    """Figures of `analysis.study_summary`, and notices about what they do not cover."""
+    from ..analysis.study_summary import study_summary
+
+    names = list(plan.named_conditions())
+    if len(names) > MOST_CONDITIONS:
+        text = f"{len(names)} conditions are too many to compare every pair: by_condition has their means and intervals"
+        return {"conditions": names, "notices": [text]}
+
+    sample, notices = _summarised_sessions(plan)
+    parts = [reader.sessions(first, last, events=plan.design.events) for first, last in sample]
+    tables, _ = with_rule(concatenated(parts), plan.design.missing)
+    if len(tables.sessions["session"]) == 0:
+        return {"conditions": names, "notices": [*notices, "no group is complete, so there is nothing to compare"]}
+
+    tau_s = plan.design.session.synchrony.tau_s
+    summary: dict[str, Any] = study_summary(tables, names, seed=plan.design.seed, tau_s=tau_s)
+    return {**summary, "notices": [*notices, *summary["notices"]]}
+
+
+def _summarised_sessions(plan: StudyPlan) -> tuple[list[tuple[int, int]], list[str]]:
+    """Ranges of the sessions that are summarised, and notices if these are not all sessions."""
+    design = plan.design
+    size = plan.sessions_per_group
+    if plan.groups > MOST_GROUPS:
+        chosen = max(2, MOST_GROUPS // len(plan.cells))
+        if chosen < design.groups:
+            starts = [cell * design.groups * size for cell in range(len(plan.cells))]
+            ranges = [(start, start + chosen * size) for start in starts]
+            return ranges, [f"tests, intervals and chance levels are those of {chosen} of {design.groups} groups"]
+
+    replications = max(1, MOST_SESSIONS // (plan.groups * size))
+    notices = []
+    if replications < design.replications:
+        notices.append(f"replications: the figures are those of {replications} of {design.replications}")
+    return [(0, min(replications * plan.groups * size, len(plan)))], notices
 
 
 class ConditionStatistics:
@@ -91,12 +145,12 @@ class ConditionStatistics:
             sums = self._sums[name]
             about = {"condition": name, "method": condition.method, "factors": dict(condition.levels)}
             row: dict[str, Any] = {**about, "sessions": int(sums[0, 0])}
-            row |= {measure: _summary(*sums[index]) for index, measure in enumerate(MEASURES)}
+            row |= {measure: _mean_and_interval(*sums[index]) for index, measure in enumerate(MEASURES)}
             rows.append(row)
         return rows
 
 
-def _summary(count: float, total: float, squares: float) -> dict[str, float | int | None]:
+def _mean_and_interval(count: float, total: float, squares: float) -> dict[str, float | int | None]:
     """Mean, s.d. and 95 % interval of the mean from count, sum and sum of squares; null where they do not exist."""
     from scipy.special import stdtrit
 

@@ -160,4 +160,4 @@ def test_the_results_are_plain_json(folder):
     results = json.loads((folder / "study.json").read_text(encoding="utf-8"))
     assert results["schema"] == 1
     assert set(results["cost"]) == {"wall_s", "backend", "jobs"}
-    assert len(results["conditions"]) == 2 + 2 + 4
+    assert len(results["by_condition"]) == 2 + 2 + 4

@@ -67,9 +67,16 @@ def test_levels_that_are_lists_survive_their_file():
 
 
 def test_words_give_factors():
-    words = ["dance.bpm=100,118.5", "sensing=joints,depth", "method-options.flag=true,false", "dance.pauses=[],[[8,2]]"]
+    words = [
+        "dance.bpm=100,118.5",
+        "network.packet_loss=0,.2",
+        "sensing=joints,depth",
+        "method-options.flag=true,false",
+        "dance.pauses=[],[[8,2]]",
+    ]
     assert factors_from_words(words) == {
         "dance.bpm": (100, 118.5),
+        "network.packet_loss": (0, 0.2),
         "sensing": ("joints", "depth"),
         "method_options.flag": (True, False),
         "dance.pauses": ([], [[8, 2]]),

@@ -109,7 +109,7 @@ def test_an_interrupted_study_is_continued_and_gives_the_same_bytes(whole, tmp_p
     assert computed == [2, 3, 4]
     assert len(finished) == 2
     assert digests(folder) == digests(whole)
-    assert json.loads((folder / "study.json").read_text())["conditions"] == read_results(whole)["conditions"]
+    assert json.loads((folder / "study.json").read_text())["by_condition"] == read_results(whole)["by_condition"]
 
 
 def counted(computed):
@@ -197,7 +197,7 @@ def test_a_study_that_goes_on_after_failures_names_them_and_leaves_out_their_gro
     assert len(results["failures"]["first"]) == count
     assert "no idea what to do" in results["failures"]["first"][0]
     assert results["notices"] == [f"{count} group(s) left out of the analysis because a session failed"]
-    assert {row["sessions"] for row in results["conditions"]} == {6 - count}
+    assert {row["sessions"] for row in results["by_condition"]} == {6 - count}
 
     tables = read_study(tmp_path / "study")
     failed = np.isnan(tables.sessions["gsi"])
@@ -223,7 +223,7 @@ def test_means_and_intervals_of_the_conditions(whole):
     from scipy import stats
 
     sessions = read_study(whole).sessions
-    (row,) = [row for row in read_results(whole)["conditions"] if row["method"] == "sia"]
+    (row,) = [row for row in read_results(whole)["by_condition"] if row["method"] == "sia"]
     gsi = sessions["gsi"][sessions["method"] == "sia"]
     low, high = stats.t.interval(0.95, len(gsi) - 1, gsi.mean(), stats.sem(gsi))
     assert row["gsi"] == pytest.approx({"mean": gsi.mean(), "sd": gsi.std(ddof=1), "low": low, "high": high, "n": 3})
