@@ -17,6 +17,7 @@ from .event_rows import event_rows
 from .json_data import without_nan
 from .paired_intervals import RESAMPLES, mean_interval
 from .paired_tests import signed_rank
+from .ratings import rating_figures
 from .replications import replication_figures
 from .study_tables import StudyTables
 from .study_values import (
@@ -68,8 +69,8 @@ def study_summary(
 
     Returns:
         plain data for JSON. By condition: ``gsi``, ``gsi_full_edges``, ``gsi_humans``, ``ta``, ``chance``. For the
-        paper's figures: ``table`` (Table I), ``wins``, ``wilcoxon``. At group level: ``comparisons``, ``intervals``.
-        ``notices`` says in sentences what is missing. See docs/statistics.md.
+        paper's figures: ``table`` (Table I), ``wins``, ``wilcoxon``, ``ratings``. At group level: ``comparisons``,
+        ``intervals``. ``notices`` says in sentences what is missing. See docs/statistics.md.
 
     Raises:
         ConfigError: the study has no session, or none of a named condition.
@@ -97,6 +98,7 @@ def study_summary(
         "wins": win_counts(iterations, groups),
         "wilcoxon": event_test(one, robotic),
         "chance": chance,
+        "ratings": rating_figures(one, robotic, seed),
         "comparisons": compare_conditions(one, names, rng, adjustment),
         "intervals": {
             "confidence": CONFIDENCE,
