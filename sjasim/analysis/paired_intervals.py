@@ -9,7 +9,7 @@ import numpy as np
 from ..core import Array
 from .paired_tests import ROUNDING, sign_patterns
 
-RESAMPLES = 9999
+RESAMPLES = 4999
 """Number of bootstrap samples."""
 
 MIN_GROUPS = 3

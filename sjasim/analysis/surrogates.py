@@ -25,7 +25,7 @@ from ..anticipation.pair_kernel import pair_indices
 from ..core import Array, BoolArray, IntArray
 from .event_rows import EventRows
 
-DRAWS = 1000
+DRAWS = 500
 """Number of surrogate sessions, rounded up to whole replications of the study."""
 
 POINT = 0.95
