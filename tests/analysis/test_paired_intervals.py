@@ -58,9 +58,9 @@ def test_the_interval_of_a_difference_agrees_with_the_test_at_every_shift():
 
 
 def test_the_interval_of_a_difference_covers_it_in_95_percent_of_studies_of_nine_and_of_thirty_groups():
-    for groups in (9, 30):
+    for groups, studies in ((9, 400), (30, 120)):
         draw = lambda rng, n=groups: rng.standard_t(4, n) + 1.0  # noqa: E731
-        assert 0.92 <= coverage(sign_flip_interval, draw, 1.0, 300) <= 0.98
+        assert 0.9 <= coverage(sign_flip_interval, draw, 1.0, studies) <= 0.99
 
 
 def test_five_groups_have_no_exact_interval_at_95_percent():
@@ -86,9 +86,9 @@ def test_the_interval_of_the_standardised_difference_covers_it():
 def test_the_interval_of_the_rank_biserial_correlation_covers_its_expectation():
     rng = np.random.default_rng(9)
     for mean in (0.0, 0.5, 1.0):
-        truth = np.mean([rank_biserial(rng.standard_normal(9) + mean).value for _ in range(1000)])
+        truth = np.mean([rank_biserial(rng.standard_normal(9) + mean).value for _ in range(400)])
         interval = lambda values, _: rank_biserial(values)  # noqa: E731
-        share = coverage(interval, lambda draw, shift=mean: draw.standard_normal(9) + shift, truth, 300)
+        share = coverage(interval, lambda draw, shift=mean: draw.standard_normal(9) + shift, truth, 200)
         assert share >= 0.92
 
 
