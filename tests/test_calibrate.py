@@ -57,8 +57,8 @@ def test_a_fit_is_kept_as_a_preset_that_dances(table, tmp_path, capsys):
 def test_the_fit_as_json_and_in_python_are_one(table, capsys):
     assert main(calibrate.command, [str(table), "--json", "--time", "free"]) == 0
     told = json.loads(capsys.readouterr().out)
-    fit = sjasim.fit_timing(table, music=False)
-    assert told["schema"] == 1
+    fit = sjasim.fit_timing(table, time="free")
+    assert told["schema"] == 2
     assert told["events"] == fit.events
     assert told["estimates"]["coupling"]["value"] == pytest.approx(fit.estimates["coupling"].value)
 
@@ -103,7 +103,7 @@ def test_names_with_quotes_make_a_file_too(table, tmp_path):
     named = tmp_path / "named.csv"
     named.write_text(table.read_text().replace("dancer_1", '"Ana ""the beat"""'))
     out = tmp_path / "named.toml"
-    out.write_text(as_toml(sjasim.fit_timing(named, music=False)))
+    out.write_text(as_toml(sjasim.fit_timing(named, time="free")))
     assert 'Ana "the beat"' in read_parameters(out).about
 
 

@@ -14,7 +14,7 @@ from ...core.errors import ConfigError, RecordError
 from ...humans.timing.parameters import TimingParameters
 from ...record.event_table import read_event_table
 from ...record.session_folder import read_summary
-from .tapping_trials import TappingTrials
+from .tapping_trials import TappingTrials, Time
 from .timing_fit import TimingFit, fit_trials
 from .trials import arrange_trials, concatenate_trials
 
@@ -22,7 +22,7 @@ from .trials import arrange_trials, concatenate_trials
 def fit_timing(
     *paths: str | Path,
     dance: DanceConfig | None = None,
-    music: bool = True,
+    time: Time = "music",
     coupling: str = "one",
     noise: str = "one",
 ) -> TimingFit:
@@ -31,8 +31,8 @@ def fit_timing(
     Args:
         paths: event tables (CSV or Parquet), or sessions' folders.
         dance: the dance that was recorded, for event tables; a session's folder contains its own.
-        music: whether people kept to the dance's music. Without music ("free time"), only what differs between dancers
-            is fitted.
+        time: what people kept to: the dance's ``music``, a ``steady`` tempo of their own, or ``free`` time, in which
+            only what differs between dancers is fitted.
         coupling: ``one`` number for all pairs of dancers, or ``matrix``, one for each.
         noise: ``one`` scale for all dancers, or ``each`` their own.
 
@@ -40,15 +40,15 @@ def fit_timing(
         RecordError: a file cannot be read, or a row is invalid.
         FitError: there are too few events, or the tables do not belong to one group and dance.
     """
-    trials = read_trials([Path(path) for path in paths], dance, music)
+    trials = read_trials([Path(path) for path in paths], dance, time)
     return fit_trials(trials, coupling=coupling, noise=noise)
 
 
-def read_trials(paths: Sequence[Path], dance: DanceConfig | None, music: bool) -> TappingTrials:
+def read_trials(paths: Sequence[Path], dance: DanceConfig | None, time: Time) -> TappingTrials:
     """Read the trials of all files; each file holds one or more sessions of its own. Arguments as in `fit_timing`."""
     if not paths:
         raise ConfigError("paths", (), "one event table or session's folder at least")
-    return concatenate_trials([_read_file(path, dance, music) for path in paths])
+    return concatenate_trials([_read_file(path, dance, time) for path in paths])
 
 
 def as_toml(fit: TimingFit) -> str:
@@ -70,7 +70,7 @@ def as_toml(fit: TimingFit) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _read_file(path: Path, dance: DanceConfig | None, music: bool) -> TappingTrials:
+def _read_file(path: Path, dance: DanceConfig | None, time: Time) -> TappingTrials:
     """Trials of one event table or session's folder."""
     config = SessionConfig()
     if path.is_dir():
@@ -81,7 +81,7 @@ def _read_file(path: Path, dance: DanceConfig | None, music: bool) -> TappingTri
     if dance is not None:
         config = replace(config, dance=dance)
 
-    return arrange_trials(read_event_table(path), timetable(config) if music else None)
+    return arrange_trials(read_event_table(path), timetable(config) if time == "music" else None, time == "steady")
 
 
 def _toml_value(value: object) -> str:

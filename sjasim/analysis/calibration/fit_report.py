@@ -21,13 +21,14 @@ class FitConfig:
     """What is fitted, and to what music.
 
     Attributes:
-        time: whether people kept to the dance's music; in free time only the differences between them are fitted.
+        time: what people kept to: the dance's music, a steady tempo of their own, or free time, in which only the
+            differences between them are fitted.
         coupling: one number for all pairs of dancers, or a matrix.
         noise: one scale for all dancers, or one for each.
         dance: what was danced, for tables; the folder of a session names its own.
     """
 
-    time: Literal["music", "free"] = "music"
+    time: Literal["music", "steady", "free"] = "music"
     coupling: Literal["one", "matrix"] = "one"
     noise: Literal["one", "each"] = "one"
     dance: DanceConfig = field(default_factory=DanceConfig)
@@ -48,7 +49,7 @@ def fit_recordings(paths: Sequence[Path], config: FitConfig) -> tuple[TimingFit,
     from .timing_fit import fit_trials
 
     dance = None if config.dance == DanceConfig() else config.dance
-    trials = read_trials(paths, dance, config.time == "music")
+    trials = read_trials(paths, dance, config.time)
     fit = fit_trials(trials, coupling=config.coupling, noise=config.noise)
 
     lines = [f"warning: {text}" for text in fit.warnings]
@@ -74,9 +75,9 @@ def fit_as_dict(fit: TimingFit) -> dict[str, object]:
     """The fit as JSON can hold it: the end of an interval that is not known is None."""
     estimates = {name: _finite(asdict(item)) for name, item in fit.estimates.items()}
     return {
-        "schema": 1,
+        "schema": 2,
         "agents": fit.agents,
-        "performances": fit.performances,
+        "iterations": fit.iterations,
         "events": fit.events,
         "log_likelihood": fit.log_likelihood,
         "estimates": estimates,
@@ -86,7 +87,7 @@ def fit_as_dict(fit: TimingFit) -> dict[str, object]:
 
 def fit_title(fit: TimingFit) -> str:
     """What the model was fitted to, in one line."""
-    return f"{counted(fit.events, 'event')} of {', '.join(fit.agents)} in {counted(fit.performances, 'performance')}"
+    return f"{counted(fit.events, 'event')} of {', '.join(fit.agents)} in {counted(fit.iterations, 'iteration')}"
 
 
 def fit_rows(fit: TimingFit) -> Iterator[tuple[str, str, str]]:

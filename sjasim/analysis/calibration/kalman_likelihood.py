@@ -25,19 +25,23 @@ class Noise(NamedTuple):
         timekeeper: (D,) variance that each event adds to the timekeepers' deviations.
         first: (D,) variance of the timekeepers' deviations at the first event of a sequence.
         motor: (D,) variance of the motor noise.
+        tempo: variance that each event adds to all deviations alike.
         common: variance of the common shift.
         correlation: correlation of the common shift between successive events.
+        rate: 0 for a common shift of the events; 1 if it is a rate, by which all deviations grow at every event.
     """
 
     timekeeper: Array
     first: Array
     motor: Array
+    tempo: float
     common: float
     correlation: float
+    rate: float = 0.0
 
 
 @compiled_inner
-def _step(present: BoolArray, phase: Array, rho: float) -> Array:
+def _step(present: BoolArray, phase: Array, rho: float, rate: float) -> Array:
     """(D + 1, D + 1) state at one event from that at the event before, without known input.
 
     What a dancer corrects at the event before is the observed event less the common shift or, where there is no
@@ -47,6 +51,7 @@ def _step(present: BoolArray, phase: Array, rho: float) -> Array:
         present: (D,) which events there are at the event before.
         phase: (D, D) as in `_gains`.
         rho: as in `_gains`.
+        rate: as in `_gains`.
     """
     dancers = len(phase)
     step = np.zeros((dancers + 1, dancers + 1))
@@ -54,9 +59,10 @@ def _step(present: BoolArray, phase: Array, rho: float) -> Array:
 
     for i in range(dancers):
         step[i, i] = 1.0
+        step[i, dancers] = rate
         for j in range(dancers):
             if present[j]:
-                step[i, dancers] += phase[i, j]
+                step[i, dancers] += (1.0 - rate) * phase[i, j]
             else:
                 step[i, j] -= phase[i, j]
     return step
@@ -64,8 +70,9 @@ def _step(present: BoolArray, phase: Array, rho: float) -> Array:
 
 @compiled_inner
 def _gains(
-    present: BoolArray, phase: Array, timekeeper: Array, first: Array, motor: Array, common: float, rho: float
-) -> tuple[Array, Array]:
+    present: BoolArray, phase: Array, timekeeper: Array, first: Array, motor: Array, tempo: float, common: float,
+    rho: float, rate: float,
+) -> tuple[Array, Array]:  # fmt: skip
     """(E, D, D + 1) gain of each event and (E, D) variance of its innovation, for one pattern of missing events.
 
     Args:
@@ -74,8 +81,10 @@ def _gains(
         timekeeper: (D,) see `Noise`.
         first: (D,) see `Noise`.
         motor: (D,) see `Noise`.
+        tempo: see `Noise`.
         common: see `Noise`.
         rho: correlation of the common shift, see `Noise`.
+        rate: see `Noise`.
     """
     events, dancers = present.shape
     size = dancers + 1
@@ -92,10 +101,12 @@ def _gains(
                 covariance[i, i] = first[i]
             covariance[dancers, dancers] = common
         else:
-            step = _step(present[e - 1], phase, rho)
+            step = _step(present[e - 1], phase, rho, rate)
             covariance = step @ covariance @ step.T
             for i in range(dancers):
                 covariance[i, i] += timekeeper[i]
+                for j in range(dancers):
+                    covariance[i, j] += tempo
             # Motor noise that the data do not show, but that the dancers correct.
             for j in range(dancers):
                 if not present[e - 1, j]:
@@ -108,8 +119,8 @@ def _gains(
         for i in range(dancers):
             if not present[e, i]:
                 continue
-            column = covariance[:, i] + covariance[:, dancers]
-            variance = column[i] + column[dancers] + motor[i]
+            column = covariance[:, i] + (1.0 - rate) * covariance[:, dancers]
+            variance = column[i] + (1.0 - rate) * column[dancers] + motor[i]
             gains[e, i] = column / variance
             variances[e, i] = variance
             for a in range(size):
@@ -121,7 +132,7 @@ def _gains(
 
 @compiled_inner
 def _squared_distance(
-    times: Array, present: BoolArray, gains: Array, variances: Array, phase: Array, rho: float
+    times: Array, present: BoolArray, gains: Array, variances: Array, phase: Array, rho: float, rate: float
 ) -> float:
     """Sum of the squared innovations of one sequence, each over its variance; arguments as in `_gains`."""
     events, dancers = present.shape
@@ -132,16 +143,16 @@ def _squared_distance(
     for e in range(events):
         if e:
             for i in range(dancers):
-                predicted[i] = state[i]
+                predicted[i] = state[i] + rate * state[dancers]
                 for j in range(dancers):
-                    observed = times[e - 1, j] - state[dancers] if present[e - 1, j] else state[j]
+                    observed = times[e - 1, j] - (1.0 - rate) * state[dancers] if present[e - 1, j] else state[j]
                     predicted[i] -= phase[i, j] * observed
             predicted[dancers] = rho * state[dancers]
             state[:] = predicted
 
         for i in range(dancers):
             if present[e, i]:
-                innovation = times[e, i] - state[i] - state[dancers]
+                innovation = times[e, i] - state[i] - (1.0 - rate) * state[dancers]
                 total += innovation * innovation / variances[e, i]
                 for a in range(dancers + 1):
                     state[a] += gains[e, i, a] * innovation
@@ -152,7 +163,7 @@ def _squared_distance(
 @compiled_entry
 def _evaluate(
     times: Array, pattern: IntArray, patterns: BoolArray, phase: Array, timekeeper: Array, first: Array,
-    motor: Array, common: float, rho: float,
+    motor: Array, tempo: float, common: float, rho: float, rate: float,
 ) -> tuple[Array, Array]:  # fmt: skip
     """(N,) squared distances and (N,) log determinants of all sequences; an impossible variance gives infinity.
 
@@ -164,19 +175,21 @@ def _evaluate(
         timekeeper: (D,).
         first: (D,).
         motor: (D,).
+        tempo: variance common to all deviations.
         common: variance of the common shift.
         rho: its correlation.
+        rate: whether it is a rate.
     """
     distance = np.zeros(len(times))
     log_det = np.zeros(len(times))
 
     for p in range(len(patterns)):
-        gains, variances = _gains(patterns[p], phase, timekeeper, first, motor, common, rho)
+        gains, variances = _gains(patterns[p], phase, timekeeper, first, motor, tempo, common, rho, rate)
         log_sum = np.log(variances).sum() if variances.min() > 0.0 else np.inf
         for n in range(len(times)):
             if pattern[n] == p:
                 log_det[n] = log_sum
-                distance[n] = _squared_distance(times[n], patterns[p], gains, variances, phase, rho)
+                distance[n] = _squared_distance(times[n], patterns[p], gains, variances, phase, rho, rate)
 
     return distance, log_det
 
@@ -241,6 +254,7 @@ class PhaseFilter:
         """
         distance, log_det = _evaluate(
             self._times, self._pattern, self._patterns, np.ascontiguousarray(phase), noise.timekeeper,
-            noise.first, noise.motor, float(noise.common), float(noise.correlation),
+            noise.first, noise.motor, float(noise.tempo), float(noise.common), float(noise.correlation),
+            float(noise.rate),
         )  # fmt: skip
         return distance, log_det

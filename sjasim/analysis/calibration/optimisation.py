@@ -1,8 +1,9 @@
-"""Minimum of a cost (minus a log likelihood), and 95 % confidence intervals from its shape."""
+"""Minimum of a cost (minus a log likelihood), and 95 % confidence intervals from its profile."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
@@ -12,15 +13,42 @@ from ...core import Array, BoolArray
 Z_95 = 1.96
 """Half width of a 95 % confidence interval, in standard errors."""
 
-PROFILE_RISE = Z_95**2 / 2
+RISE = Z_95**2 / 2
 """Rise of minus the log likelihood at the ends of a 95 % confidence interval."""
 
-BISECTIONS = 5
-"""Bisections that locate the end of a profile interval."""
+QUADRATIC_TOLERANCE = 0.25
+"""Error of the signed root at the end of an interval up to which one secant corrects it, in standard errors."""
+
+TRIED = 20.0
+"""Cost above that of a profile's point up to which another start is tried."""
+
+BARRIER = 0.05
+"""Rise of the cost halfway between two minima that are not the same one."""
+
+ROOT_TOLERANCE = 0.05
+"""Error of the signed root of the likelihood ratio at the end of an interval, in standard errors."""
+
+MOST_STEPS = 10
+"""Most profile points for one end of an interval."""
+
+IMPROVEMENT = 1e-3
+"""Decrease of the cost below its supposed minimum that starts the search again."""
 
 Cost = Callable[[Array], float]
 Bounds = list[tuple[float, float]]
 """Lower and upper bound of each parameter."""
+
+
+class Profile(NamedTuple):
+    """One end of an interval, and the lowest point of the cost that was seen on the way.
+
+    Attributes:
+        end: value of the parameter.
+        lowest: (P,) parameters with the lowest cost that was seen.
+    """
+
+    end: float
+    lowest: Array
 
 
 def minimise(cost: Cost, start: Array, bounds: Bounds, free: BoolArray, events: int) -> Array:
@@ -40,7 +68,7 @@ def minimise(cost: Cost, start: Array, bounds: Bounds, free: BoolArray, events: 
         return cost(parameters) / events
 
     free_bounds = [limits for limits, is_free in zip(bounds, free, strict=True) if is_free]
-    options = {"maxiter": 300, "finite_diff_rel_step": 1e-4}
+    options = {"maxiter": 300, "finite_diff_rel_step": 1e-4, "ftol": 1e-8}
     result = minimize(
         cost_per_event, start[free], method="L-BFGS-B", jac="3-point", bounds=free_bounds, options=options
     )
@@ -48,31 +76,76 @@ def minimise(cost: Cost, start: Array, bounds: Bounds, free: BoolArray, events: 
     return parameters
 
 
-def confidence_intervals(cost: Cost, at: Array, bounds: Bounds, events: int) -> Array:
-    """(P, 2) ends of the 95 % confidence intervals of all parameters.
+def minimum_with_intervals(cost: Cost, minima: Sequence[Array], bounds: Bounds, events: int) -> tuple[Array, Array]:
+    """(P,) parameters with the lowest cost, and (P, 2) ends of their 95 % confidence intervals.
 
-    They follow from the curvature of the cost or, where the cost is not curved upwards, from its profile.
+    The ends are where the profile of the cost, that is, the cost minimised over the other parameters, has risen by
+    `Z_95` squared over 2. Where the cost is a quadratic function up to there, they follow from its curvature; where it
+    is flat or lopsided, or near a bound, from a search. An interval includes other minima that are not significantly
+    higher, and what lies between. If a search finds a lower cost than the supposed minimum, everything starts again
+    from there.
 
     Args:
         cost: function of the parameters.
-        at: (P,) parameters with the lowest cost.
-        bounds: bounds of the parameters.
+        minima: parameters, (P,) each, at which the cost has a local minimum.
+        bounds: bounds of the parameters; an interval ends at the bound if the profile does not rise before it.
         events: number of events, as in `minimise`.
     """
+    at = min(minima, key=cost)
+    ends, half_width = _quadratic_ends(cost, at, bounds)
+    others = [point for point in minima if cost(0.5 * (point + at)) > cost(point) + BARRIER]
+    # Another minimum inside the interval makes the curvature at this one meaningless.
+    inside = [at, *(point for point in others if cost(point) - cost(at) < RISE)]
+    if len(inside) > 1:
+        ends[:] = np.nan
+
+    for entry, column in np.argwhere(np.isnan(ends)):
+        side = -1 if column == 0 else 1
+        start = max(inside, key=lambda point, entry=entry, side=side: side * point[entry])  # type: ignore[misc]
+        step = half_width[entry] if len(inside) == 1 else np.nan
+        profile = _profile(cost, at, (start, *others), bounds, events, int(entry), side, step)
+        if cost(profile.lowest) < cost(at) - IMPROVEMENT:
+            better = minimise(cost, profile.lowest, bounds, np.ones(len(at), dtype=bool), events)
+            return minimum_with_intervals(cost, [better, *minima], bounds, events)
+        ends[entry, column] = profile.end
+
+    return at, ends
+
+
+def _quadratic_ends(cost: Cost, at: Array, bounds: Bounds) -> tuple[Array, Array]:
+    """(P, 2) ends of the intervals by the curvature of the cost, NaN where it misleads; (P,) their half widths.
+
+    It misleads where the cost at such an end is another than that of a quadratic function, and outside the bounds.
+    """
+    ends = np.full((len(at), 2), np.nan)
+    lower, upper = np.array(bounds).T
     values, vectors = np.linalg.eigh(_curvature(cost, at))
     # On a bound or in a flat valley, the curvature is not positive in every direction.
-    if values.min() > 1e-6 * values.max():
-        half_width = Z_95 * np.sqrt((vectors**2) @ (1.0 / values))
-        return np.stack([at - half_width, at + half_width], axis=1)
+    if not values.min() > 1e-6 * values.max():
+        return ends, ends[:, 0]
 
-    return np.array([[_profile_end(cost, at, bounds, events, i, side) for side in (-1, 1)] for i in range(len(at))])
+    covariance = (vectors / values) @ vectors.T
+    half_width = Z_95 * np.sqrt(np.diag(covariance))
+    lowest = cost(at)
+    for entry in range(len(at)):
+        # The other parameters move along with this one, as in the profile of a quadratic function.
+        move = half_width[entry] * covariance[entry] / covariance[entry, entry]
+        for column, side in ((0, -1), (1, 1)):
+            end = at + side * move
+            if np.any(end < lower) or np.any(end > upper):
+                continue
+            root = float(np.sqrt(2.0 * max(cost(end) - lowest, 0.0)))
+            if abs(root - Z_95) < QUADRATIC_TOLERANCE:
+                # The root is nearly linear in the parameter.
+                ends[entry, column] = at[entry] + (end[entry] - at[entry]) * Z_95 / root
+    return ends, half_width
 
 
 def _curvature(cost: Cost, at: Array) -> Array:
     """(P, P) second derivatives of the cost by central differences."""
     size = len(at)
     lowest = cost(at)
-    step = np.array([_step_size(cost, at, lowest, i) for i in range(size)])
+    step = np.array([0.5 * _first_distance(cost, at, i, 1) for i in range(size)])
     shift = np.diag(step)
 
     curvature = np.empty((size, size))
@@ -85,59 +158,123 @@ def _curvature(cost: Cost, at: Array) -> Array:
     return curvature
 
 
-def _profile_end(cost: Cost, at: Array, bounds: Bounds, events: int, entry: int, side: int) -> float:
-    """Value of one parameter at which the cost, minimised over the others, has risen by `PROFILE_RISE`.
+def _profile(
+    cost: Cost, at: Array, starts: Sequence[Array], bounds: Bounds, events: int, entry: int, side: int, step: float
+) -> Profile:
+    """End of one parameter's interval, by a search for the profile's signed root.
+
+    The root of twice the profile's rise is nearly linear in the parameter, so that a few secants find its end.
 
     Args:
         cost: function of the parameters.
         at: (P,) parameters with the lowest cost.
-        bounds: bounds of the parameters; the result is at most the bound on this side.
+        starts: parameters inside the interval from which the search sets out, and others to minimise from, because a
+            profile may have several minima.
+        bounds: bounds of the parameters.
         events: number of events, as in `minimise`.
         entry: index of the parameter.
         side: -1 for the lower end, 1 for the upper end.
+        step: expected distance of the end from the start; NaN if nothing is known.
     """
     others = np.arange(len(at)) != entry
     limit = bounds[entry][0 if side < 0 else 1]
-    lowest = cost(at)
+    lower, upper = np.array(bounds).T
+    lowest = at
+    lowest_cost = cost(at)
+    start = starts[0]
+    most = abs(limit - at[entry])
+    inside = max(side * (start[entry] - at[entry]), 0.0)
+    inside_root = float(np.sqrt(2.0 * (cost(start) - lowest_cost))) if inside > 0.0 else 0.0
+    outside = np.inf
+    point = start if inside > 0.0 else at
+    distance = min(inside + (step if np.isfinite(step) else _first_distance(cost, point, entry, side)), most)
 
-    def is_outside(value: float) -> bool:
-        moved = at.copy()
-        moved[entry] = value
-        return cost(minimise(cost, moved, bounds, others, events)) - lowest > PROFILE_RISE
+    for _ in range(MOST_STEPS):
+        # The other parameters move on in proportion, which is where they are to be expected.
+        reached = abs(point[entry] - at[entry])
+        guess = at + (point - at) * (distance / reached) if reached > 0.0 else at.copy()
+        guess = np.clip(guess, lower, upper)
+        guess[entry] = at[entry] + side * distance
+        point = _lowest_at(cost, guess, starts[1:], bounds, others, events, lowest_cost + RISE)
+        rise = cost(point) - lowest_cost
+        if rise < -IMPROVEMENT:
+            return Profile(float(point[entry]), point)
 
-    # Triple the distance until it is outside, then bisect.
-    inside = float(at[entry])
-    outside = inside + side * _step_size(cost, at, lowest, entry)
-    while not is_outside(outside):
-        inside = outside
-        outside = outside + 2.0 * (outside - at[entry])
-        if side * (outside - limit) >= 0:
-            return limit if not is_outside(limit) else _bisect(is_outside, inside, limit)
-    return _bisect(is_outside, inside, outside)
-
-
-def _bisect(is_outside: Callable[[float], bool], inside: float, outside: float) -> float:
-    """Border between a value inside and one outside."""
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (inside + outside)
-        if is_outside(middle):
-            outside = middle
-        else:
-            inside = middle
-    return 0.5 * (inside + outside)
-
-
-def _step_size(cost: Cost, at: Array, lowest: float, entry: int) -> float:
-    """Step of one parameter that raises the cost by about 0.05: a third of a standard error, at most 1.
-
-    Such a step is large enough for rounding and small enough for the quadratic approximation.
-    """
-    step = 0.02
-    for _ in range(6):
-        move = np.zeros(len(at))
-        move[entry] = step
-        rise = 0.5 * (cost(at + move) + cost(at - move)) - lowest
-        step *= float(np.clip(np.sqrt(0.05 / max(rise, 1e-9)), 0.1, 4.0))
-        if 0.03 < rise < 0.08 or step > 1.0:
+        root = float(np.sqrt(2.0 * max(rise, 0.0)))
+        if abs(root - Z_95) < ROOT_TOLERANCE:
             break
-    return min(step, 1.0)
+        if root > Z_95:
+            outside = distance
+        else:
+            inside = distance
+            inside_root = root
+            if distance >= most:
+                break
+        distance = _next_distance(distance, root, inside, inside_root, outside, most)
+
+    return Profile(float(at[entry] + side * distance), lowest)
+
+
+def _lowest_at(
+    cost: Cost, guess: Array, starts: Sequence[Array], bounds: Bounds, others: BoolArray, events: int, most: float
+) -> Array:
+    """(P,) parameters with the lowest cost for the guess's value of one parameter.
+
+    Args:
+        cost: function of the parameters.
+        guess: (P,) parameters from which to minimise.
+        starts: further values of the other parameters, tried if the cost is higher than ``most`` otherwise.
+        bounds: bounds of the parameters.
+        others: (P,) which parameters may change.
+        events: number of events, as in `minimise`.
+        most: the cost above which other starts are tried.
+    """
+    point = minimise(cost, guess, bounds, others, events)
+    if cost(point) <= most:
+        return point
+
+    # Only starts that promise to end lower are tried.
+    tried = [np.where(others, other, guess) for other in starts]
+    tried = [other for other in tried if cost(other) < cost(point) + TRIED]
+    return min([point, *(minimise(cost, other, bounds, others, events) for other in tried)], key=cost)
+
+
+def _next_distance(
+    distance: float, root: float, inside: float, inside_root: float, outside: float, most: float
+) -> float:
+    """Distance from the minimum at which the signed root is expected to reach `Z_95`.
+
+    Args:
+        distance: the last distance.
+        root: signed root there.
+        inside: largest distance with a smaller root than `Z_95`.
+        inside_root: the root there.
+        outside: smallest distance with a larger root; infinite if there is none.
+        most: distance of the bound.
+    """
+    if not np.isfinite(outside):
+        # At most four times as far, because a profile may be flat at first.
+        return min(distance * float(np.clip(1.02 * Z_95 / max(root, 1e-3), 1.1, 4.0)), most)
+
+    if root > Z_95 and root - inside_root > 1e-6:
+        expected = inside + (Z_95 - inside_root) * (distance - inside) / (root - inside_root)
+    else:
+        expected = distance * Z_95 / max(root, 1e-3)
+    margin = 0.1 * (outside - inside)
+    return float(np.clip(expected, inside + margin, outside - margin))
+
+
+def _first_distance(cost: Cost, at: Array, entry: int, side: int) -> float:
+    """Distance along one parameter that raises the cost by about .5: one conditional standard error, at most 1."""
+    lowest = cost(at)
+    step = 0.02
+    for _ in range(8):
+        moved = at.copy()
+        moved[entry] += side * step
+        rise = cost(moved) - lowest
+        if 0.25 < rise < 1.0:
+            break
+        step *= float(np.clip(np.sqrt(0.5 / max(rise, 1e-9)), 0.1, 4.0))
+        if step > 1.0:
+            return 1.0
+    return step

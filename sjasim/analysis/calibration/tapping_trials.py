@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from ...core import Array, IntArray
 from ...core.errors import SjasimError
+
+Time = Literal["music", "steady", "free"]
+"""What people kept to.
+
+``music``: music whose beats are known. ``steady``: their own tempo, which is steady within an iteration, as in tapping
+without a metronome. ``free``: their own tempo, which may change at every event.
+"""
 
 
 class FitError(SjasimError):
@@ -20,10 +28,13 @@ class TappingTrials:
 
     Attributes:
         agents: the D dancers.
-        late_s: (N, E, D) event times minus the music's beats or, in free time, minus the group's mean [s]; NaN where a
-            dancer has no event.
+        late_s: (N, E, D) event times minus their expected times [s]; NaN where a dancer has no event. What is expected
+            are the music's beats or, without music, the group's own time.
         session: (N,) index of the session that each trial belongs to.
-        music: whether people kept to music whose beats are known; otherwise they tapped in free time.
+        time: what people kept to.
+        pacers: dancers who keep exact time whatever the others do, such as a metronome; indices into ``agents``.
+        expects_time: whether the expected times come from the tempo or the score; otherwise they are the group's mean
+            time of each event, and only differences between dancers count.
         phrases: groups of event indices that a dancer omits together.
         unused: number of events that belong to no trial, since another one of the same dancer was nearer.
         warnings: reservations about a fit, a sentence each.
@@ -32,7 +43,9 @@ class TappingTrials:
     agents: tuple[str, ...]
     late_s: Array
     session: IntArray
-    music: bool
+    time: Time
+    pacers: tuple[int, ...] = ()
+    expects_time: bool = True
     phrases: tuple[tuple[int, ...], ...] = ()
     unused: int = 0
     warnings: tuple[str, ...] = ()

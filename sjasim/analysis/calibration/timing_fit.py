@@ -1,8 +1,12 @@
 """Fits coupling and noise of the human timing model to event times, by maximum likelihood.
 
-What the data can tell apart: timekeeper noise carries over to the next event and is corrected; motor noise does not;
-what all dancers share is the common shift. With music, the common shift is an AR(1) process about the beats. In free
-time the common time of each event is left free, and only what differs between dancers counts.
+What the data can tell apart: the timekeeper carries its noise over to the next event, but not motor noise; dancers
+correct both, as they observe them; what all dancers share is the common shift. With music, the common shift is an AR(1)
+process about the beats. At a steady tempo there is none, as in the published model. In free time the common time of
+each event is left free, and only what differs between dancers counts. Differences alone hardly tell weak correction
+of little motor noise from strong correction of much: give ``steady`` where the tempo is steady. For a coupling matrix
+in free time, the group's intervals are compared with the mean intervals of several trials of the same events, and
+the group's deviation from them is fitted as ``tempo_s``.
 
 Not in the likelihood: the order rule of `humans.timing` (no move and no hold shorter than people can make it), which
 concerns one move in seventy under the paper's presets. Corrections towards the music or the robot, drifting tempi and
@@ -23,7 +27,8 @@ import numpy as np
 from ...core import Array
 from ...core.errors import ConfigError
 from ...humans.timing.parameters import TimingParameters
-from .optimisation import Z_95, confidence_intervals, minimise
+from .fit_warnings import fit_warnings
+from .optimisation import Z_95, minimise, minimum_with_intervals
 from .tapping_trials import FitError, TappingTrials, finite_mean
 from .timing_likelihood import TimingLikelihood
 
@@ -48,7 +53,7 @@ class TimingFit:
         values: fields of `TimingParameters` as fitted, whether or not a group could dance with them.
         estimates: name -> value and interval; ``coupling[1][2]`` is how far dancer 1 corrects towards dancer 2.
         agents: the dancers, in order.
-        performances: number of fitted trials.
+        iterations: number of fitted trials, that is, iterations of a dance or takes of a piece.
         events: number of fitted events.
         log_likelihood: at the maximum.
         warnings: reservations about the estimates, a sentence each.
@@ -57,7 +62,7 @@ class TimingFit:
     values: Mapping[str, Any]
     estimates: Mapping[str, Estimate]
     agents: tuple[str, ...]
-    performances: int
+    iterations: int
     events: int
     log_likelihood: float
     warnings: tuple[str, ...] = ()
@@ -97,22 +102,29 @@ def fit_trials(data: TappingTrials, *, coupling: str = "one", noise: str = "one"
     bounds = likelihood.bounds()
 
     # Spreads are freed last: far from the minimum they would absorb the misfit of the other parameters.
-    is_spread = [name.endswith("_spread") for name in likelihood.names]
-    vector = likelihood.start()
-    for free in (np.logical_not(is_spread), np.ones(len(vector), dtype=bool)):
-        vector = minimise(likelihood.cost, vector, bounds, free, events)
-    intervals = confidence_intervals(likelihood.cost, vector, bounds, events)
+    is_spread = np.array([name.endswith("_spread") for name in likelihood.names])
+    minima = [minimise(likelihood.cost, start, bounds, ~is_spread, events) for start in likelihood.starts()]
+    if is_spread.any():
+        best = min(minima, key=likelihood.cost)
+        minima = [minimise(likelihood.cost, best, bounds, np.ones_like(is_spread), events)]
+    vector, intervals = minimum_with_intervals(likelihood.cost, minima, bounds, events)
 
     estimates = _estimates(likelihood, vector, intervals)
     fit = TimingFit(
         values=_parameter_values(estimates, likelihood),
         estimates=estimates,
         agents=data.agents,
-        performances=len(data.late_s),
+        iterations=len(data.late_s),
         events=events,
         log_likelihood=-likelihood.cost(vector),
     )
-    return replace(fit, warnings=_warnings(fit, likelihood, vector, intervals))
+    warnings = list(fit_warnings(likelihood, vector, intervals))
+    # The property raises if no group could dance with the parameters.
+    try:
+        _ = fit.parameters
+    except FitError as error:
+        warnings.append(str(error))
+    return replace(fit, warnings=tuple(warnings))
 
 
 def _check_options(data: TappingTrials, coupling: str, noise: str) -> None:
@@ -121,8 +133,11 @@ def _check_options(data: TappingTrials, coupling: str, noise: str) -> None:
         if value not in allowed:
             raise ConfigError(name, value, f"one of {', '.join(allowed)}")
 
-    if coupling == "matrix" and not data.music:
-        reason = "one, in free time: differences between dancers do not tell which of two corrected"
+    if coupling == "matrix" and not (data.expects_time or data.pacers):
+        reason = (
+            "one, in free time: differences between dancers do not tell which of two corrected; the tempo must be "
+            "steady (time = steady), or the same events played three times"
+        )
         raise ConfigError("coupling", coupling, reason)
 
 
@@ -138,10 +153,7 @@ def _estimates(likelihood: TimingLikelihood, vector: Array, intervals: Array) ->
     entries = zip(likelihood.names, vector, intervals, likelihood.bounds(), strict=True)
     for name, value, (low, high), (lower_bound, upper_bound) in entries:
         numbers = np.array([value, max(low, lower_bound), min(high, upper_bound)])
-        if name.endswith("_spread"):
-            # A spread is the absolute value of its entry.
-            numbers = np.array([abs(value), max(abs(value) - (value - low), 0.0), abs(value) + (high - value)])
-        elif name.startswith("scale["):
+        if name.startswith("scale["):
             numbers = np.exp(numbers)
         elif name.endswith("_s"):
             # A noise is fitted as a variance in units of the typical deviation.
@@ -155,6 +167,10 @@ def _lateness(likelihood: TimingLikelihood) -> dict[str, Estimate]:
     """Constant lateness of each dancer, with the standard error of the mean over sessions, or over trials of one."""
     late_s = likelihood.trials.late_s
     session = likelihood.session
+    if likelihood.trials.pacers:
+        late_s = late_s - late_s[..., [likelihood.trials.pacers[0]]]
+    elif likelihood.trials.time != "music":
+        late_s = late_s - finite_mean(late_s, 2)[..., None]
     if session.max() < 1:
         session = np.arange(len(late_s))
 
@@ -165,6 +181,7 @@ def _lateness(likelihood: TimingLikelihood) -> dict[str, Estimate]:
     return {
         f"late_s[{i + 1}]": Estimate(float(mean), float(mean - half_width_s[i]), float(mean + half_width_s[i]))
         for i, mean in enumerate(likelihood.means_s)
+        if i in likelihood.correcting
     }
 
 
@@ -187,51 +204,26 @@ def _lapse_rate(trials: TappingTrials) -> dict[str, Estimate]:
 def _parameter_values(estimates: Mapping[str, Estimate], likelihood: TimingLikelihood) -> dict[str, Any]:
     """The estimates as fields of `TimingParameters`."""
     values = {name: estimate.value for name, estimate in estimates.items()}
-    fields: dict[str, Any] = {name: value for name, value in values.items() if "[" not in name}
+    fields: dict[str, Any] = {name: value for name, value in values.items() if "[" not in name and name != "tempo_s"}
 
     if likelihood.matrix:
         fields["coupling"] = tuple(tuple(float(gain) for gain in row) for row in likelihood.gains(values))
+    else:
+        # The nearest gain with which a group can dance.
+        fields["coupling"] = max(values["coupling"], 0.0)
+    if likelihood.trials.pacers:
+        fields["correction"] = tuple(float(k in likelihood.correcting) for k in range(likelihood.dancers))
+        fields["scale"] = fields["correction"]
     if likelihood.each:
         logarithms = {name: float(np.log(value)) for name, value in values.items() if name.startswith("scale[")}
         fields["scale"] = tuple(float(scale) for scale in likelihood.scales(logarithms))
-    fields["late_s"] = tuple(values[f"late_s[{i + 1}]"] for i in range(likelihood.dancers))
+    fields["late_s"] = tuple(values.get(f"late_s[{i + 1}]", 0.0) for i in range(likelihood.dancers))
     return {**fields, "about": _description(likelihood.trials)}
-
-
-def _warnings(fit: TimingFit, likelihood: TimingLikelihood, vector: Array, intervals: Array) -> tuple[str, ...]:
-    """Reservations about a fit: those of the data, entries on their bounds, wide intervals, too few sessions.
-
-    A noise or gain of 0 is a result, not a reservation.
-    """
-    lower, upper = np.array(likelihood.bounds()).T
-    at_lower = np.isclose(vector, lower, rtol=1e-4, atol=1e-9)
-    at_upper = np.isclose(vector, upper, rtol=1e-4, atol=1e-9)
-    on_bound = at_upper | (at_lower & (lower != 0.0))
-    low, high = intervals.T
-    undetermined = (low <= lower) & (high >= upper)
-
-    found = list(likelihood.trials.warnings)
-    for flags, text in (
-        (on_bound, "on the bounds of what is fitted, and say little"),
-        (undetermined, "not determined by these data, with intervals from bound to bound"),
-    ):
-        names = [name for name, flag in zip(likelihood.names, flags, strict=True) if flag]
-        if names:
-            found.append(f"{text}: {', '.join(names)}")
-
-    if (likelihood.matrix or likelihood.each) and len(set(likelihood.trials.session.tolist())) == 1:
-        found.append("one session is too little to tell people apart: give several of the same people")
-    # The property raises if no group could dance with the parameters.
-    try:
-        _ = fit.parameters
-    except FitError as error:
-        found.append(str(error))
-    return tuple(found)
 
 
 def _description(trials: TappingTrials) -> str:
     """Text of the parameters' field ``about``: what they were fitted to."""
     sessions = len(set(trials.session.tolist()))
-    time = "about the music" if trials.music else "in free time"
-    counts = f"performances: {len(trials.late_s)}, sessions: {sessions}, dancers: {', '.join(trials.agents)}"
+    time = {"music": "about the music", "steady": "at a steady tempo of their own", "free": "in free time"}[trials.time]
+    counts = f"iterations: {len(trials.late_s)}, sessions: {sessions}, dancers: {', '.join(trials.agents)}"
     return f"fitted {time}; {counts}"

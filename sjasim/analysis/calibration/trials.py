@@ -14,36 +14,27 @@ from ...choreography.timetable import Timetable
 from ...config.session import MAX_DANCERS
 from ...core import ROBOT, Array, Kind
 from ...core.session_log import TableEvent, natural_order
-from .tapping_trials import FitError, TappingTrials, finite_mean
+from .free_time import (
+    DancersEvents,
+    FreeTrial,
+    cluster_trial,
+    find_pacers,
+    late_at_steady_tempo,
+    late_behind_group,
+    late_behind_score,
+    looseness_warnings,
+)
+from .tapping_trials import FitError, TappingTrials
 
 FARTHEST_MEDIAN_S = 2.0
 """Median distance of the events from the score beyond which a table's times are not on the dance's clock [s]."""
-
-LARGEST_TEMPO_RATIO = 1.25
-"""In free time, ratio of two dancers' tempi beyond which their events do not correspond one to one (assumed)."""
-
-LOOSEST_SHARE = 0.12
-"""In free time, distance of dancers, over the time between two events, beyond which they may not be together at all.
-
-Dancers who do not hear one another are 0.14 to 0.18 apart, groups with weak coupling less than 0.12 (measured on
-simulated groups).
-"""
-
-FEWEST_INTERVALS = 5
-"""Fewest intervals between a dancer's events that give a tempo (assumed).
-
-With fewer intervals, one omitted step would look like another tempo.
-"""
-
-DancersEvents = Mapping[str, Sequence[TableEvent]]
-"""Dancer -> events of one trial."""
 
 Trials = dict[tuple[str, int], dict[str, list[TableEvent]]]
 """(session, iteration) -> dancer -> events."""
 
 
-def arrange_trials(events: Sequence[TableEvent], timetable: Timetable | None) -> TappingTrials:
-    """Arrange the dancers' events by the steps of the dance or, in free time, by closeness in time.
+def arrange_trials(events: Sequence[TableEvent], timetable: Timetable | None, steady: bool = False) -> TappingTrials:
+    """Arrange the dancers' events by the steps of the dance or, without music, by closeness in time.
 
     Early events and the robot's are left out, and so are dancers' turns if the dance is known, since they follow the
     clap. With a timetable, every event goes to the nearest step of its kind. Without one, events of a kind belong
@@ -53,37 +44,72 @@ def arrange_trials(events: Sequence[TableEvent], timetable: Timetable | None) ->
     Args:
         events: rows of one table.
         timetable: timetable of the dance if people kept to its music, else None.
+        steady: whether people without music kept a steady tempo in each iteration.
 
     Raises:
         FitError: sessions have different numbers of dancers, or not 2 to `MAX_DANCERS`; or times are not on the dance's
-            clock; or, in free time, the dancers' tempi differ too much.
+            clock; or, without music, the dancers' tempi differ too much or are not steady.
     """
-    trials = _group_by_trial(events, timetable)
-    casts = _casts(trials)
-    sessions = sorted({session for session, _ in trials})
-    rows = [
-        _late_in_free_time(trial, casts[session])
-        if timetable is None
-        else _late_behind_music(trial, casts[session], timetable, iteration)
-        for (session, iteration), trial in trials.items()
-    ]
+    groups = _group_by_trial(events, timetable)
+    casts = _casts(groups)
+    sessions = sorted({session for session, _ in groups})
+    agents = _agents(casts)
+    if timetable is None:
+        free = [cluster_trial(trial, casts[session]) for (session, _), trial in groups.items()]
+        arranged = _without_music(free, agents, steady)
+    else:
+        late_s = [
+            _late_behind_music(trial, casts[session], timetable, iteration)
+            for (session, iteration), trial in groups.items()
+        ]
+        _check_clock(np.concatenate(late_s))
+        arranged = TappingTrials(agents, _padded(late_s), np.zeros(len(late_s), int), "music")
 
-    most_events = max(len(row) for row in rows)
-    late_s = np.full((len(rows), most_events, rows[0].shape[1]), np.nan)
-    for target, row in zip(late_s, rows, strict=True):
-        target[: len(row)] = row
-    if timetable is not None:
-        _check_clock(late_s)
-
-    event_count = sum(len(own) for trial in trials.values() for own in trial.values())
-    return TappingTrials(
-        agents=_agents(casts),
-        late_s=late_s,
-        session=np.array([sessions.index(session) for session, _ in trials]),
-        music=timetable is not None,
+    event_count = sum(len(own) for trial in groups.values() for own in trial.values())
+    return replace(
+        arranged,
+        session=np.array([sessions.index(session) for session, _ in groups]),
         phrases=() if timetable is None else phrases(timetable.choreography),
-        unused=event_count - int(np.isfinite(late_s).sum()),
-        warnings=_looseness_warnings(trials, casts) if timetable is None else (),
+        unused=event_count - int(np.isfinite(arranged.late_s).sum()),
+    )
+
+
+def arrange_times(times_s: Sequence[Array], agents: Sequence[str], *, steady: bool = False) -> TappingTrials:
+    """Arrange event times without music that are matched already, such as the onsets of the same notes.
+
+    Each trial counts as a session of its own.
+
+    Args:
+        times_s: (E, D) times of each trial's events [s], in order; NaN where a dancer has no event.
+        agents: names of the D dancers.
+        steady: whether the tempo of each trial is steady, so that the events are one period apart.
+
+    Raises:
+        FitError: the tempo is not steady.
+    """
+    free = [FreeTrial(tuple((Kind.CLAP, k) for k in range(len(own))), np.asarray(own), 0.0) for own in times_s]
+    return replace(_without_music(free, tuple(agents), steady), session=np.arange(len(free)))
+
+
+def _without_music(free: Sequence[FreeTrial], agents: tuple[str, ...], steady: bool) -> TappingTrials:
+    """Trials of people without music, all of them of one session."""
+    pacers = find_pacers(free)
+    behind_score = None if steady else late_behind_score(free)
+    if steady:
+        late_s = [late_at_steady_tempo(trial) for trial in free]
+    elif behind_score is not None:
+        late_s = behind_score
+    else:
+        late_s = [late_behind_group(trial) for trial in free]
+
+    return TappingTrials(
+        agents=agents,
+        late_s=_padded(late_s),
+        session=np.zeros(len(free), int),
+        time="steady" if steady else "free",
+        pacers=pacers,
+        expects_time=steady or behind_score is not None,
+        warnings=looseness_warnings(free),
     )
 
 
@@ -99,23 +125,22 @@ def concatenate_trials(parts: Sequence[TappingTrials]) -> TappingTrials:
     sizes = {len(part.agents) for part in parts}
     if len(sizes) > 1:
         raise FitError(f"the tables are of groups of {', '.join(map(str, sorted(sizes)))} dancers: fit them one by one")
+    if len({part.pacers for part in parts}) > 1:
+        raise FitError("a dancer keeps exact time in some tables and not in others: fit them one by one")
     if len({part.phrases for part in parts}) > 1:
         raise FitError("the tables are of different dances: fit them one by one")
 
-    most_events = max(part.late_s.shape[1] for part in parts)
-    padded = []
     sessions = []
     first_session = 0
     for part in parts:
-        missing = most_events - part.late_s.shape[1]
-        padded.append(np.pad(part.late_s, ((0, 0), (0, missing), (0, 0)), constant_values=np.nan))
         sessions.append(part.session + first_session)
         first_session += int(part.session.max()) + 1
 
     return replace(
         parts[0],
-        late_s=np.concatenate(padded),
+        late_s=_padded([late_s for part in parts for late_s in part.late_s]),
         session=np.concatenate(sessions),
+        expects_time=all(part.expects_time for part in parts),
         unused=sum(part.unused for part in parts),
         warnings=tuple(dict.fromkeys(text for part in parts for text in part.warnings)),
     )
@@ -183,11 +208,10 @@ def _late_behind_music(trial: DancersEvents, cast: Sequence[str], table: Timetab
     return np.asarray(np.stack(columns, axis=1) - expected_s[:, None])
 
 
-def _late_in_free_time(trial: DancersEvents, cast: Sequence[str]) -> Array:
-    """(E, D) lateness behind the mean of the events that belong together [s], in order of time."""
-    rows = [row for kind in Kind for row in _clusters(trial, cast, kind)]
-    times_s = np.array(sorted(rows, key=np.nanmean)).reshape(-1, len(cast))
-    return np.asarray(times_s - finite_mean(times_s, 1)[:, None])
+def _padded(rows: Sequence[Array]) -> Array:
+    """(N, E, D) trials, with NaN after the events of the shorter ones."""
+    most_events = max(len(row) for row in rows)
+    return np.array([np.pad(row, ((0, most_events - len(row)), (0, 0)), constant_values=np.nan) for row in rows])
 
 
 def _check_clock(late_s: Array) -> None:
@@ -198,56 +222,3 @@ def _check_clock(late_s: Array) -> None:
             f"events lie {median_s:.1f} s from the score on average, not within {FARTHEST_MEDIAN_S:g} s: "
             "give the dance's own options (dance.bpm, dance.lead_in_s, ...), or fit in free time"
         )
-
-
-def _usual_interval_s(trial: DancersEvents, kind: Kind) -> float:
-    """Usual time between two events of a kind of one dancer [s]; infinite if no dancer has two.
-
-    Raises:
-        FitError: the dancers' tempi differ by more than `LARGEST_TEMPO_RATIO`.
-    """
-    times = {agent: [event.t_s for event in own if event.kind is kind] for agent, own in trial.items()}
-    intervals = {agent: float(np.median(np.diff(own))) for agent, own in times.items() if len(own) > 1}
-    if not intervals:
-        return np.inf
-
-    reliable = {agent: interval for agent, interval in intervals.items() if len(times[agent]) > FEWEST_INTERVALS}
-    if reliable:
-        slowest = max(reliable, key=lambda agent: reliable[agent])
-        fastest = min(reliable, key=lambda agent: reliable[agent])
-        if reliable[slowest] > LARGEST_TEMPO_RATIO * reliable[fastest]:
-            tempi = f"every {reliable[fastest]:.2f} s, {slowest}'s every {reliable[slowest]:.2f} s"
-            raise FitError(f"{fastest}'s {kind} comes {tempi}: they do not correspond one to one, and are not fitted")
-
-    return float(np.median(list(intervals.values())))
-
-
-def _clusters(trial: DancersEvents, cast: Sequence[str], kind: Kind) -> list[Array]:
-    """(D,) times of the events of a kind that belong together [s], for each such cluster; NaN for an absent dancer."""
-    events = sorted((event for own in trial.values() for event in own if event.kind is kind), key=lambda e: e.t_s)
-    window_s = 0.5 * _usual_interval_s(trial, kind)
-
-    clusters: list[Array] = []
-    first_s = -np.inf
-    for event in events:
-        column = cast.index(event.agent)
-        if not clusters or event.t_s - first_s > window_s or np.isfinite(clusters[-1][column]):
-            clusters.append(np.full(len(cast), np.nan))
-            first_s = event.t_s
-        clusters[-1][column] = event.t_s
-    return clusters
-
-
-def _looseness_warnings(trials: Trials, casts: Mapping[str, list[str]]) -> tuple[str, ...]:
-    """A warning if dancers are so far apart that the assignment of events, and with it the coupling, may be chance."""
-    distances = []
-    for (session, _), trial in trials.items():
-        for kind in Kind:
-            times_s = np.array(_clusters(trial, casts[session], kind)).reshape(-1, len(casts[session]))
-            distances.append(((times_s - finite_mean(times_s, 1)[:, None]) / _usual_interval_s(trial, kind)).ravel())
-
-    share = float(np.sqrt(finite_mean(np.concatenate(distances) ** 2, 0)))
-    if not share > LOOSEST_SHARE:
-        return ()
-    distance = f"dancers are {share:.2f} of the time between two events apart, not within {LOOSEST_SHARE:g}"
-    return (f"{distance}: which events belong together may be chance, and coupling with it",)

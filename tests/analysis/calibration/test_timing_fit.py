@@ -48,7 +48,9 @@ def simulate(p: TimingParameters, sessions: int, dancers: int, seed: int) -> Tap
             rows.append(late_s)
 
     names = tuple(f"dancer_{k + 1}" for k in range(dancers))
-    return TappingTrials(names, np.array(rows), np.repeat(np.arange(sessions), 5), True, phrases(TABLE.choreography))
+    return TappingTrials(
+        names, np.array(rows), np.repeat(np.arange(sessions), 5), "music", phrases=phrases(TABLE.choreography)
+    )
 
 
 def not_recovered(fit, p: TimingParameters, wide: float = 1.0) -> dict[str, tuple[float, float, float, float]]:
@@ -86,8 +88,14 @@ def dense(times, phase, noise) -> tuple[float, float, int]:
     weights = np.array(observed).reshape(events * dancers, -1)
     first = [noise.first, *[noise.timekeeper] * (events - 1)]
     variances = np.concatenate([np.ravel(first), np.tile(noise.motor, events)])
-    common = noise.common * noise.correlation ** np.abs(np.subtract.outer(np.arange(events), np.arange(events)))
+    count = np.arange(events)
+    common = noise.common * noise.correlation ** np.abs(np.subtract.outer(count, count))
+    if noise.rate:
+        common = noise.common * np.outer(count, count)
     whole = weights @ np.diag(variances) @ weights.T + np.kron(common, np.ones((dancers, dancers)))
+    # Changes of tempo stay with all deviations from the event after the first one on.
+    tempo = np.minimum.outer(np.arange(events), np.arange(events)) * noise.tempo
+    whole += np.kron(tempo, np.ones((dancers, dancers)))
 
     seen = np.isfinite(times).reshape(-1)
     values = times.reshape(-1)[seen]
@@ -95,11 +103,20 @@ def dense(times, phase, noise) -> tuple[float, float, int]:
     return float(values @ np.linalg.solve(part, values)), float(np.linalg.slogdet(part)[1]), int(seen.sum())
 
 
-def test_the_filter_gives_the_gaussian_density():
+@pytest.mark.parametrize("rate", [0.0, 1.0])
+def test_the_filter_gives_the_gaussian_density(rate):
     rng = np.random.default_rng(0)
     times = rng.normal(size=(6, 5, 3))
     times[rng.random(times.shape) < 0.25] = np.nan
-    noise = Noise(np.array([0.4, 0.5, 0.9]), np.array([0.4, 0.5, 2.0]), np.array([0.1, 0.2, 0.3]), 1.5, 0.6)
+    noise = Noise(
+        np.array([0.4, 0.5, 0.9]),
+        np.array([0.4, 0.5, 2.0]),
+        np.array([0.1, 0.2, 0.3]),
+        0.7,
+        1.5,
+        1.0 if rate else 0.6,
+        rate,
+    )
     phase = np.eye(3) - TimingParameters(coupling=((0, 0.1, 0.3), (0.2, 0, 0.2), (0.4, 0.0, 0))).transition_matrix(3)
     phase_filter = PhaseFilter(times)
     distance, log_det = phase_filter.evaluate(phase, noise)
@@ -178,7 +195,7 @@ def test_in_free_time_only_differences_between_dancers_count():
     rows = np.array(rows)
     rows[rng.random(rows.shape) < 0.1] = np.nan
     late = rows - np.nanmean(rows, axis=1, keepdims=True)
-    fit = fit_trials(TappingTrials(("a", "b", "c"), late[None], np.zeros(1, dtype=int), False))
+    fit = fit_trials(TappingTrials(("a", "b", "c"), late[None], np.zeros(1, dtype=int), "free", expects_time=False))
     for name, value in (("timekeeper_s", 0.03), ("motor_s", 0.01), ("coupling", 0.15)):
         assert fit.estimates[name].low <= value <= fit.estimates[name].high, name
     assert fit.estimates["timekeeper_s"].value == pytest.approx(0.03, rel=0.15)
@@ -194,4 +211,4 @@ def test_too_few_events_and_unknown_options_are_refused():
     with pytest.raises(ConfigError, match="noise"):
         fit_trials(few, noise="loud")
     with pytest.raises(ConfigError, match="in free time"):
-        fit_trials(replace(few, music=False), coupling="matrix")
+        fit_trials(replace(few, time="free", expects_time=False), coupling="matrix")

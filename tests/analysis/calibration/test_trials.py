@@ -62,7 +62,7 @@ def test_in_free_time_events_close_in_time_belong_together():
     taps = [(0.5 * k + 0.02 * (agent == "b"), agent) for k in range(20) for agent in "ab" if (k, agent) != (7, "b")]
     found = arrange_trials([event(agent, t_s) for t_s, agent in sorted(taps)], None)
     assert found.late_s.shape == (1, 20, 2)
-    assert not found.music
+    assert found.time == "free"
     gap = found.late_s[0, :, 1] - found.late_s[0, :, 0]
     assert np.isnan(gap[7])
     assert np.delete(gap, 7) == pytest.approx(0.02)
