@@ -15,7 +15,7 @@ ABOUT = "Simulate a study: groups of people who dance with several methods in tu
 
 
 def command(arguments: Sequence[str], program: str = "python -m sjasim.study") -> None:
-    """Run the study that the arguments describe, and print its results."""
+    """Run the study that the arguments describe, print its results, and write its folder if one is named."""
     options = parse_study(arguments, program, ABOUT)
     if options.dry_run:
         print_plan(*priced_plan(options.plan, options.execution), options.execution.processes)
@@ -27,7 +27,10 @@ def command(arguments: Sequence[str], program: str = "python -m sjasim.study") -
     else:
         print_results(results)
     if options.execution.out is not None:
-        sys.stderr.write(f"study written to {options.execution.out}\n")
+        from .studies.report.folders import write_report
+
+        page = write_report(options.execution.out.expanduser(), overwrite=True)
+        sys.stderr.write(f"study written to {options.execution.out}; its report is {page.name}\n")
 
 
 if __name__ == "__main__":

@@ -51,7 +51,7 @@ def test_a_table_by_default(danced, capsys):
     assert "GSI" in out
     assert "[s]" in out  # the unit of TA
     assert "detectors:" in out
-    assert "west: no message for 2.0 s" in out
+    assert "at 3.0 s: west: no message for 2.0 s" in out
     assert danced == [SessionConfig(method="eca", iterations=2)]
 
 
@@ -169,6 +169,8 @@ def test_ctrl_c_gives_130_and_leaves_nothing(danced, monkeypatch, tmp_path, caps
 
 def test_the_benchmark_names_every_figure(danced, capsys, monkeypatch):
     monkeypatch.setattr(benchmark.figures, "import_time_s", lambda: 0.1)
+    timing = {"timing_sessions": 50.0, "timing_cpu_s": 0.25}
+    monkeypatch.setattr(benchmark.figures, "profile_timing", lambda config: timing)
     assert main(benchmark.command, ["--json"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert set(report["figures"]) == set(benchmark.figures.UNITS)
@@ -179,6 +181,7 @@ def test_the_benchmark_names_every_figure(danced, capsys, monkeypatch):
     assert report["figures"]["env_ratio_to_raw"] == pytest.approx(0.8)
     assert report["figures"]["async2_speedup"] == pytest.approx(1.8)
     assert report["figures"]["session_sim_s_per_cpu_s_depth"] == pytest.approx(5.0)
+    assert report["figures"]["timing_session_cpu_s"] == pytest.approx(0.005)
     assert report["figures"]["depth_frame_cpu_s"] is None
     assert report["room_ms_per_frame"]["planning"] == pytest.approx(0.09 / 90 / 30 * 1000)
     assert {"machine", "versions", "command"} <= set(report)

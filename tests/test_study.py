@@ -24,6 +24,7 @@ def test_a_small_study_prints_its_conditions_and_writes_a_data_set(tmp_path, cap
     assert "Wilcoxon by step: z = " in said.out
     assert f"study written to {folder}" in said.err
     assert read_study(folder).sessions["order"].tolist() == [1, 2, 3, 1, 2, 3]
+    assert "ECA and SIA in 2 groups" in (folder / "report.html").read_text(encoding="utf-8")
 
     # Without options of its own, --resume takes the design from the folder.
     assert main(study.command, ["--resume", "--out", str(folder), "--json"]) == 0

@@ -131,12 +131,15 @@ def rating_figures(tables: StudyTables, conditions: Sequence[str], seed: int = 0
 
     Returns:
         ``conditions``, ``matches`` and ``groups``; ``by_group`` with the ratings of each dancer and the sessions that
-        are ``rated`` and ``measured`` as more synchronous. None without events or two conditions.
+        are ``rated`` and ``measured`` as more synchronous. None without events, or without a group that danced two
+        conditions.
     """
     if len(conditions) < 2 or len(tables.events["session"]) == 0:
         return None
 
     pair = (conditions[0], conditions[1])
+    if not _sessions_by_group(tables, pair):
+        return None
     ratings = group_ratings(tables, pair, seed=seed)
     return {
         "conditions": list(pair),
@@ -199,10 +202,15 @@ def _nearest_errors_s(labels: IntArray, times_s: Array, of_robot: BoolArray, of_
 
 
 def _sessions_by_group(tables: StudyTables, conditions: tuple[str, str]) -> dict[tuple[int, int], tuple[int, int]]:
-    """(study, group) -> rows of the first session of each condition, for groups that danced both."""
-    columns = (tables.sessions[name] for name in ("study", "group", "condition"))
+    """(study, group) -> rows of the first session of each condition, for groups that danced both.
+
+    A session that failed has no index, and counts as not danced.
+    """
+    columns = (tables.sessions[name] for name in ("study", "group", "condition", "gsi"))
     first: dict[tuple[int, int], dict[str, int]] = {}
-    for row, (study, group, condition) in enumerate(zip(*columns, strict=True)):
+    for row, (study, group, condition, gsi) in enumerate(zip(*columns, strict=True)):
+        if not np.isfinite(gsi):
+            continue
         first.setdefault((int(study), int(group)), {}).setdefault(str(condition), row)
     return {
         key: (own[conditions[0]], own[conditions[1]])

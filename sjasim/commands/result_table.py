@@ -80,24 +80,22 @@ def remarks(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     robot = summary["robot"]
     if robot["commands"]:  # none in a session without a robot
         executed = round(robot["executed"] * robot["commands"])
-        lines.append(
-            (
-                "robot",
-                f"{executed} of {robot['commands']} commands executed, {robot['missed']} steps missed, "
-                f"{_number(robot['end_distance_m'], 2)} m off at the end",
-            )
-        )
+        text = f"{executed} of {robot['commands']} commands executed, {robot['missed']} steps missed"
+        if robot["end_distance_m"] is not None:
+            text += f", {robot['end_distance_m']:.2f} m off at the end"
+        lines.append(("robot", text))
     if summary["net_latency_s"]:
         lines.append(("net latency", _net_latency(summary["net_latency_s"])))
 
-    lines.append(
-        (
-            "bodies",
-            f"{summary['falls']} falls, feet carry {_number(summary['feet_load_share'])} of the weight, "
-            f"balance support {_number(summary['tether_rms_n'], 1)} N",
+    if summary["feet_load_share"] is not None:  # the event-level world has no bodies
+        lines.append(
+            (
+                "bodies",
+                f"{summary['falls']} falls, feet carry {_number(summary['feet_load_share'])} of the weight, "
+                f"balance support {_number(summary['tether_rms_n'], 1)} N",
+            )
         )
-    )
-    notices = [(f"notice at {item['t_s']:.1f} s", f"{item['source']}: {item['what']}") for item in summary["notices"]]
+    notices = [("notice", f"at {item['t_s']:.1f} s: {item['source']}: {item['what']}") for item in summary["notices"]]
     return lines + notices
 
 
@@ -125,7 +123,8 @@ def _robot_cells(summary: Mapping[str, Any], row: Mapping[str, Any]) -> list[str
 def _timing_cells(row: Mapping[str, Any]) -> list[str]:
     """Cells of the robot's lateness and timing appropriateness in an iteration, or in the session."""
     late_s = row["late_mean_s"]
-    return ["-" if late_s is None else f"{late_s:+.2f}", _number(row["ta_mean_s"], 2)]
+    # Adding 0 turns a negative zero into a positive one.
+    return ["-" if late_s is None else f"{round(late_s, 2) + 0.0:+.2f}", _number(row["ta_mean_s"], 2)]
 
 
 def _followed(names: Sequence[str], dancers: int) -> str:

@@ -91,6 +91,31 @@ def test_a_group_that_lacks_a_method_is_left_out_of_comparisons_and_counted(stud
     assert summary["table"][3]["mean"]["sia"] is None
 
 
+def failed(study, sessions):
+    """The study as it is written if some sessions failed: rows without measures, and nothing in the other tables."""
+    measures = ("gsi", "gsi_full_edges", "gsi_humans", "ta_mean_s")
+    lost = np.isin(study.sessions["session"], sessions)
+    rows = {name: np.where(lost, np.nan, values) if name in measures else values
+            for name, values in study.sessions.items()}  # fmt: skip
+    return dataclasses.replace(select_sessions(study, ~lost), sessions=rows)
+
+
+def test_a_session_that_failed_leaves_its_group_out_of_comparisons(study):
+    summary = study_summary(failed(study, [4]))
+    (row,) = [row for row in summary["comparisons"] if row["measure"] == "gsi"]
+    assert (row["groups"], row["left_out"]) == (8, 1)
+    assert summary["gsi"]["eca"]["groups"] == 8
+    assert summary["wilcoxon"]["n"] == 2 * 8 * 4 * 9
+
+
+def test_a_condition_of_which_all_sessions_failed_is_not_compared(study):
+    summary = study_summary(failed(study, study.sessions["session"][study.sessions["condition"] == "sia"]))
+    assert summary["gsi"]["sia"]["mean"] is None
+    assert summary["chance"]["sia"] is None
+    assert summary["wilcoxon"] is None
+    assert {(row["first"], row["second"]) for row in summary["comparisons"]} == {("none", "eca")}
+
+
 def test_a_missed_step_leaves_its_pair_out_of_the_event_test(study):
     ta_s = study.steps["ta_s"].copy()
     ta_s[:5] = np.nan

@@ -59,6 +59,16 @@ def test_every_line_fits_80_columns(make_session_log, method):
     assert all(("…" not in line) for line in lines)
 
 
+def test_the_event_level_world_has_no_lines_of_bodies_and_places(make_session_log):
+    log = make_session_log(joints=False)
+    lines, _ = printed(dataclasses.replace(log, truth={}, odometry={}))
+    assert not any(line.startswith("bodies:") for line in lines)
+    assert next(line for line in lines if line.startswith("robot:")).endswith("0 steps missed")
+    lines, _ = printed(log)
+    assert next(line for line in lines if line.startswith("robot:")).endswith(" m off at the end")
+    assert any(line.startswith("bodies:") for line in lines)
+
+
 def test_a_humans_only_session_has_dashes_for_the_robot(make_session_log):
     lines, rows = printed(make_session_log(method="none", robot=False, iterations=1, joints=False))
     assert rows[0][5:] == ["-"] * 4

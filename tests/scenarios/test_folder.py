@@ -1,9 +1,12 @@
 """The measures of a simulated session follow from the tables of its folder alone."""
 
+import dataclasses
 import json
 
 from sjasim.analysis.session_metrics import measures
+from sjasim.config import SessionConfig
 from sjasim.record import session_folder
+from sjasim.session.session import run_session
 
 from .conftest import run_short_session
 
@@ -17,6 +20,17 @@ def test_every_measure_can_be_recomputed_from_the_tables(tmp_path):
     assert without_cost(recomputed) == without_cost(written)
     assert written["net_latency_s"]
     assert written["notices"]
+
+
+def test_the_same_seed_gives_the_same_session_json_but_for_cost_and_versions():
+    config = SessionConfig(method="sia", seed=5, fidelity="timing", iterations=2)
+    first, again, other = (
+        measures(run_session(one)).as_dict() for one in (config, config, dataclasses.replace(config, seed=6))
+    )
+    assert first["cost"] != again["cost"]
+    texts = [json.dumps(without_cost(one)) for one in (first, again)]
+    assert texts[0] == texts[1]
+    assert first["gsi"] != other["gsi"]
 
 
 def without_cost(summary):

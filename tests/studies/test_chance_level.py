@@ -14,7 +14,7 @@ from ..analysis.test_surrogates import independent_chance
 @pytest.mark.slow
 @pytest.mark.parametrize("condition", ["none", "sia"])
 def test_pseudo_groups_of_simulated_people_have_the_chance_level_of_an_independent_computation(condition):
-    """In physics, thirty sessions had an index of .595, a chance level of .193 and a 95 % point of .386."""
+    """In physics, the index was .595, its chance level .193 and the 95 % point .386."""
     study = run_study(StudyDesign(groups=30, methods=("sia",), seed=7), jobs=1)
     mean, point = independent_chance(study, condition, 600, np.random.default_rng(0))
     level = chance_level(event_rows(study, condition), np.random.default_rng(1))["surrogates"]["pseudo_groups"]

@@ -122,5 +122,5 @@ def _legend(axes: Axes) -> list[object]:
     kinds = dict(MARKERS.values())
     entries: list[object] = [axes.plot([], [], marker, color="0.3", label=label)[0] for marker, label in kinds.items()]
     for frame, colour, _, label in MISSING_STYLES.values():
-        entries += axes.plot([], [], frame, color=colour, label=label, **FRAME)
+        entries += axes.plot([], [], frame, color=colour, label=label, **{**FRAME, "markersize": 9})
     return entries

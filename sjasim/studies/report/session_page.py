@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...analysis.delay_breakdown import delay_report
-from ...analysis.group_metrics import group_metrics
+from ...analysis.group_metrics import GroupSynchronyRow, group_metrics
 from ...analysis.missing_events import MissingEvents, missing_events
 from ...analysis.session_metrics import logged_events
 from ...choreography.timetable import timetable
@@ -39,6 +39,9 @@ INDICES = ("gsi", "gsi_full_edges", "gsi_truth")
 WORST_STEPS = 5
 """Number of late or early steps that are explained in words."""
 
+NOBODY = "nobody"
+"""Stands for an iteration in which the robot followed no dancer."""
+
 SECTIONS = (
     ("followed", "Whom the robot followed"),
     ("events", "All events"),
@@ -52,13 +55,26 @@ STAGE_HEADS = ("dancer", "sensor", "detector", "network", "method", "robot")
 
 
 class _Session(NamedTuple):
-    """What the parts of the page share: content of session.json, the log, its events, and its delays."""
+    """What the parts of the page share: content of session.json, the log, its measures, its events, and its delays."""
 
     summary: Mapping[str, Any]
     log: SessionLog
+    rows: list[GroupSynchronyRow]
     iterations: list[IterationEvents]
     missing: MissingEvents
     delays: DelayReport
+
+    @property
+    def danced(self) -> list[int]:
+        """Numbers of the danced iterations."""
+        return [row.iteration for row in self.rows]
+
+    def followed(self, iteration: int) -> str:
+        """Whom the robot followed in a danced iteration, in words."""
+        followed = next(row.followed for row in self.rows if row.iteration == iteration)
+        if len(followed) > 1 and len(followed) == self.log.config["dancers"]:
+            return "everybody"
+        return listed([agent(name) for name in followed]) or NOBODY
 
     @property
     def has_robot(self) -> bool:
@@ -81,7 +97,7 @@ def session_page(folder: Path) -> Page:
     rows = group_metrics(logged_events(log), config, table, log.followed)
     missing = missing_events(log)
     iterations = iteration_events(log, config, table, rows, missing)
-    session = _Session(summary, log, iterations, missing, delay_report(log))
+    session = _Session(summary, log, rows, iterations, missing, delay_report(log))
 
     method = condition_text(str(summary["method"]))
     title = f"One session under {method}" if session.has_robot else "One session of the dancers alone"
@@ -131,10 +147,10 @@ def _timing_sentence(session: _Session) -> str:
 
 
 def _followed_sentence(session: _Session) -> str:
-    followed = [agent(graph.follows) for graph in session.delays.graphs if graph.follows]
-    if not followed:
-        return "It followed no single dancer."
-    return f"It followed {listed(list(dict.fromkeys(followed)))}."
+    """Whom the robot followed, in the order of the iterations."""
+    followed = [session.followed(iteration) for iteration in session.danced]
+    named = [name for name in dict.fromkeys(followed) if name != NOBODY]
+    return f"It followed {listed(named) or NOBODY}."
 
 
 def _missing_sentence(session: _Session) -> str:
@@ -191,14 +207,12 @@ def _content(session: _Session, tau_s: float) -> dict[str, object]:
 def _iteration_table(session: _Session) -> Table:
     """Figures of every iteration: whom the robot followed, its timing, and the group's synchrony."""
     rows = []
-    graphs = {graph.iteration: graph for graph in session.delays.graphs}
     for row in session.summary["iterations"]:
         own = [step for step in session.delays.steps if step.iteration == row["index"]]
         late_s = [step.late_s for step in own if math.isfinite(step.late_s)]
-        followed = graphs[row["index"]].follows if row["index"] in graphs else ""
         rows.append([
             Cell(str(row["index"])),
-            *names([agent(followed) or ("nobody" if own else "–"), agent(row["msp"]) or "–"]),
+            *names([session.followed(row["index"]) if own else "–", agent(row["msp"]) or "–"]),
             *(Cell(str(count) if own else "–") for count in _class_counts(own).values()),
             Cell(signed(sum(late_s) / len(late_s) if late_s else None, 2)),
             *numbers([row.get("late_mean_s"), row["ta_mean_s"]], 2),
@@ -215,8 +229,8 @@ def _iteration_table(session: _Session) -> Table:
     return Table(
         "The iterations",
         (
-            "iteration", "followed", "most synchronous", *TIMING_CLASSES, "later by [s]", "later by [s]", "TA [s]",
-            "published", "all edges", "true onsets",
+            "iteration", "followed", "MSP", *TIMING_CLASSES, "later [s]", "later [s]", "TA [s]", "published",
+            "all edges", "true onsets",
         ),
         rows,
         above=(

@@ -32,6 +32,16 @@ from .text import NAME_CHARACTERS, condition_text, counted, difference, interval
 POWER_FILE = "power.json"
 """File with a power analysis, which may lie in the folder of a study."""
 
+METHODS = {
+    "eca": "A method of the published study. The robot moves when the dancers moved on average an iteration before.",
+    "sia": "The other method of the published study. The robot follows the dancer who was most synchronous in the "
+    "iteration before.",
+    "random-dancer": "The control that the published study lacks. The robot follows as under SIA, but a dancer who is "
+    "drawn at random for each iteration.",
+    "metronome": "The robot moves with the music, whatever the dancers do.",
+}
+"""Method -> what it does, for readers who do not know it."""
+
 MOST_PAIRS = 6
 """Largest number of differences that the verdict lists one by one."""
 
@@ -258,6 +268,7 @@ def _content(content: Mapping[str, Any], power: Mapping[str, Any] | None) -> dic
     design = content["design"]
     return {
         "conditions": [condition_text(name) for name in conditions],
+        "methods": [(condition_text(name), text) for name, text in METHODS.items() if name in conditions],
         "has_published": bool({"eca", "sia"} & set(conditions)),
         "humans_only": any(name not in conditions for name in content["conditions"]),
         "uncharted": len(conditions) - len(charted_conditions(content)),

@@ -82,6 +82,12 @@ def test_the_robot_is_late_in_words_and_in_the_chart(make_session_log, session_o
     assert shapes["Lateness of the robot in every step"] >= 9
 
 
+@pytest.mark.parametrize(("method", "words"), [("sia", "It followed dancer "), ("eca", "It followed everybody.")])
+def test_the_verdict_says_whom_the_robot_followed(make_session_log, session_of, method, words):
+    page = read_page(write_report(session_of(make_session_log(method, iterations=2))))
+    assert words in page.text
+
+
 def test_notices_are_listed_and_escaped(make_session_log, session_of):
     log = make_session_log("sia", iterations=1)
     notices = (Notice(1.0, "<b>west</b>", "no message & no sign <script>alert(1)</script>"),)
