@@ -17,15 +17,19 @@ from ..core.registry import names, resolve
 from ..core.session_log import AgentEvent
 from ..humans.timing.ensemble import EnsembleTiming
 from ..humans.timing.human_timing import HumanTiming
-from ..humans.timing.parameters import parameters_at_expertise, parameters_from, preset, preset_names, read_table
+from ..humans.timing.parameters import (
+    ENSEMBLE,
+    parameters_at_expertise,
+    parameters_from,
+    preset,
+    preset_names,
+    read_table,
+)
 from ..humans.timing.replay import Replay
 from ..record.event_table import read_event_table
 
 REPLAY_PREFIX = "replay:"
 """Prefix of ``SessionConfig.humans`` that is followed by a file of recorded events."""
-
-ENSEMBLE = "ensemble"
-"""Name of the model that the presets are for, and files that name no model."""
 
 EXPERTISE_PREFIX = "expertise:"
 """Prefix of ``SessionConfig.humans`` that is followed by a number from 0 to 1."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sjasim.analysis.ratings import Perception, group_ratings, impressions_of, rating_figures
+from sjasim.analysis.ratings import Perception, _majority, group_ratings, impressions_of, rating_figures
 from sjasim.analysis.study_summary import study_summary
 from sjasim.analysis.study_tables import StudyTables
 from sjasim.core.errors import ConfigError
@@ -62,6 +62,12 @@ def test_without_a_majority_or_a_difference_nothing_matches():
     assert (same.rated, same.matches) == ("", False)
     equal = group_ratings(study_of({"eca": (0.9, 0.9, 0.9), "sia": (0.0,) * 3}, gsi=(0.4, 0.4)), METHODS, EXACT)[0]
     assert (equal.rated, equal.measured, equal.matches) == ("", "", False)
+
+
+def test_half_of_the_dancers_are_no_majority():
+    assert _majority(np.array([0.4, 0.6]), np.array([0.6, 0.4]), METHODS) == ""
+    assert _majority(np.array([0.4, 0.6, 0.5]), np.array([0.6, 0.4, 0.6]), METHODS) == "sia"
+    assert _majority(np.array([0.4, 0.6, 0.5]), np.array([0.6, 0.4, 0.5]), METHODS) == ""
 
 
 def test_perfect_timing_is_rated_5_and_none_1():

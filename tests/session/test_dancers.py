@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from sjasim.config import FaultConfig, SessionConfig
 from sjasim.core import ROBOT, Cue, Kind, Move
 from sjasim.core.errors import ConfigError, SjasimError
 from sjasim.core.session_log import AgentEvent
+from sjasim.humans.timing.parameters import TimingParameters, read_parameters
 from sjasim.session.dancers import cues_with_faults, make_human_timing, perceived_timing_error_s
 
 
@@ -71,11 +73,16 @@ def test_a_file_chooses_its_model(tmp_path):
         path.write_text(text)
         return str(path)
 
-    quiet = written('model = "adam"\ntimekeeper_s = 0.0\nmotor_s = 0.0\nlapse = 0.0\n')
-    metronomic = written("lapse = 0.0\n")
-    assert planned(quiet) == pytest.approx(planned("metronomic"))
-    assert planned(metronomic) == pytest.approx(planned("metronomic"))
-    planned(written('model = "ensemble"\ncoupling = 0.2\n'))
+    quiet = planned(written('model = "adam"\ntimekeeper_s = 0.0\nmotor_s = 0.0\nlapse = 0.0\n'))
+    assert quiet == pytest.approx(planned("metronomic"))
+    assert quiet == pytest.approx(planned(written("lapse = 0.0\n")))
+    noisy = planned(written('model = "adam"\nlapse = 0.0\n'))
+    assert noisy != pytest.approx(quiet, abs=0.01)
+
+    ensemble = Path(written('model = "ensemble"\ncoupling = 0.2\n'))
+    planned(str(ensemble))
+    assert read_parameters(ensemble) == TimingParameters(coupling=0.2)
+    assert read_parameters(Path(written('model = "adam"\n'))) is None
     planned(written('model = "ashle"\nspontaneous_s = 0.5\n[oscillators]\nnoise = 0.1\n'))
 
     for text, says in (

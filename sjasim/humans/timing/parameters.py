@@ -17,6 +17,9 @@ from ...core import Array
 from ...core.errors import ConfigError, UnknownNameError
 from ...core.registry import names
 
+ENSEMBLE = "ensemble"
+"""Name of the model that `TimingParameters` and the presets are for, and of files that name no model."""
+
 NOVICES = "novices"
 """Preset of people with an expertise of 0."""
 
@@ -317,13 +320,16 @@ def read_table(path: Path) -> dict[str, Any]:
         raise ConfigError("humans", str(path), f"a TOML file ({error})") from error
 
 
-def read_parameters(path: Path) -> TimingParameters:
-    """Parameters from a TOML file of `TimingParameters` fields.
+def read_parameters(path: Path) -> TimingParameters | None:
+    """Parameters from a TOML file of `TimingParameters` fields; None for a file that names another model.
 
     Raises:
         ConfigError: the file cannot be read, is not TOML, or has a wrong field.
     """
-    return parameters_from(read_table(path), f"humans ({path})")
+    data = read_table(path)
+    if data.pop("model", ENSEMBLE) != ENSEMBLE:
+        return None
+    return parameters_from(data, f"humans ({path})")
 
 
 def parameters_toml(parameters: TimingParameters) -> str:
