@@ -36,7 +36,7 @@ class Execution:
     Attributes:
         out: folder for the data set and study.json; it must be new or empty. Without it nothing is kept.
         backend: where sessions are computed: ``local``, ``dask``, ``dask://host:port``, ``ray`` or ``ray://host:port``.
-        jobs: number of processes on this computer; 0 for one per core.
+        jobs: number of processes on this computer; 0 for one per core, or for this one if the study is small.
         resume: continue the study in the folder after an interruption.
         overwrite: replace an earlier study in the folder.
     """
@@ -121,8 +121,9 @@ def _compute(folder: StudyFolder, plan: StudyPlan, needed: Price, execution: Exe
     if len(missing) < chunks:
         sys.stderr.write(f"resuming: {chunks - len(missing)} of {chunks} chunks are finished\n")
 
-    # A small study is finished before other processes have started.
-    jobs = execution.processes if needed.cpu_s * len(missing) / chunks > WORTH_PROCESSES_S else 1
+    # A small study is finished before other processes have started; who names a number of processes gets it.
+    is_small = needed.cpu_s * len(missing) / chunks < WORTH_PROCESSES_S
+    jobs = 1 if is_small and execution.jobs == 0 and execution.backend == "local" else execution.processes
     try:
         _fill(folder, missing, jobs, execution.backend, f"simulating {len(plan):,} sessions")
     except (KeyboardInterrupt, SystemExit):

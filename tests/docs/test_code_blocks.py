@@ -65,7 +65,7 @@ def test_command_lines_are_understood(page, empty_folder, monkeypatch, capsys):
     monkeypatch.setattr(tyro, "cli", parse_only)
     for line, name, arguments in commands(page):
         # The configuration file of an example does not exist; test_pages.py reads its text.
-        known = [word for word in arguments if word not in ("--config", "my.toml")]
+        known = [word for word in arguments if word not in ("--config", "--design", "my.toml")]
         if name == "test":
             continue
         assert name in COMMANDS, f"{page}, line {line}"

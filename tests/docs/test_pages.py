@@ -8,6 +8,7 @@ import pytest
 from sjasim.choreography.timetable import timetable
 from sjasim.config import FAULTS, SessionConfig
 from sjasim.config.toml_file import from_plain
+from sjasim.studies.design_file import design_from_plain
 from sjasim.session.dancers import make_human_timing
 
 from .pages import ROOT, blocks, links, pages, text_of
@@ -49,6 +50,12 @@ def test_settings_in_a_file_are_understood():
     assert [fault.kind for fault in config.faults] == ["clock_jump", "dancer_late"]
     text = text_of("docs/quick-start.md")
     assert all(f"`{kind}`" in text or f'"{kind}"' in text for kind in FAULTS)
+
+
+def test_the_design_of_the_page_about_studies_is_understood():
+    (design,) = blocks("docs/study.md", "toml")
+    plan = design_from_plain(tomllib.loads(design.text))
+    assert (plan.groups, plan.session.dancers, len(plan.factors)) == (20, 4, 2)
 
 
 def test_each_page_has_one_title():
