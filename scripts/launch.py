@@ -236,7 +236,7 @@ def installer(uv: object) -> list:
 
 def announce(wanted: str) -> None:
     """Say where a new installation goes and what it takes."""
-    size, duration = ("1.8 GB", "a minute or two") if wanted == "test" else ("1.3 GB", "about a minute")
+    size, duration = ("2.3 GB", "a minute or two") if wanted == "test" else ("1.3 GB", "about a minute")
     say(f"sjasim: first use here. Installing into {VENV}; nothing else is changed.")
     say(f"sjasim: this needs {size} of disk and {duration}, less with uv.")
 

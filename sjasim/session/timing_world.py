@@ -181,7 +181,7 @@ class TimingWorld:
     def _add_false_events(self, dancers: int) -> None:
         """Add the events that detectors report without a cause."""
         for dancer in range(dancers):
-            for t_s, kind, early in self._events.false_events(self.end_s):
+            for t_s, kind, early in self._events.false_events(self._timetable.end_s()):
                 self._add(t_s, self._detect, t_s, dancer, kind, early)
 
     def _decide(self) -> None:

@@ -46,8 +46,8 @@ def interval_correlation(found: np.ndarray) -> float:
         ("leader", 0.030, 0.055, (-0.1, 0.35), 0.02),
         ("tempo-change", 0.030, 0.050, (-0.2, -0.12), 0.02),
         ("novices", 0.060, 0.120, (0.3, 0.6), 0.06),  # less than half corrected: scheurich2018, size assumed
-        ("paper-entrainment", 0.25, 0.40, (0.1, 0.4), 0.547),  # fitted to iqbal2016
-        ("paper-warmup", 0.25, 0.40, (0.1, 0.4), 0.546),
+        ("paper-entrainment", 0.20, 0.40, (0.1, 0.4), 0.594),  # fitted to iqbal2016
+        ("paper-warmup", 0.20, 0.40, (0.1, 0.4), 0.568),
         ("one-late", 0.04, 0.08, (0.05, 0.4), 0.05),
     ],
 )
