@@ -15,6 +15,7 @@ from ...core.errors import RecordError
 from .page import Cell, Page, Table
 from .power_page import power_figure, power_sentence
 from .study_questions import questions
+from .study_ratings import rating_sentence, rating_table
 from .study_synchrony import (
     chance_of,
     charted_conditions,
@@ -283,6 +284,8 @@ def _content(content: Mapping[str, Any], power: Mapping[str, Any] | None) -> dic
         "timing_table": timing_table(content) if conditions else None,
         "comparison_table": comparison_table(content) if content["comparisons"] else None,
         "event_test": event_test_sentence(content),
+        "rating_sentence": rating_sentence(content),
+        "rating_table": rating_table(content),
         "replications": _replication_table(content),
         "power_figure": power_figure(power) if power else None,
         "power_sentence": power_sentence(power) if power else "",

@@ -105,3 +105,9 @@ def test_a_session_without_a_robot(make_session_log, session_of):
     assert "This session has no robot." in page.text
     assert "One session of the dancers alone" in page.text
     assert [title for title, _, _ in page.drawings] == ["Events of all iterations"]
+
+
+def test_a_robot_that_never_moved(make_session_log, session_of):
+    page = read_page(write_report(session_of(make_session_log("sia", iterations=2, robot=False))))
+    assert "The robot never moved." in page.text
+    assert "the robot left out 18 of 18 steps." in page.text

@@ -2,6 +2,7 @@
 
 import copy
 import json
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -9,6 +10,8 @@ import pytest
 from sjasim.assets import published_study as published
 from sjasim.studies.report.folders import write_report
 from sjasim.studies.report.study_page import verdict
+from sjasim.studies.report.study_synchrony import condition_series
+from sjasim.studies.report.study_timing import timing_figures
 
 from .conftest import study_content
 from .html_page import read_page
@@ -105,6 +108,41 @@ def test_there_is_a_histogram_of_each_method_and_a_common_curve(page):
     # 25 bins and one bar for what lies beyond them.
     assert shapes["Timing appropriateness under ECA"] >= 26
     assert all(description for _, description, _ in page.drawings)
+
+
+def test_the_bars_of_a_histogram_are_the_counts_of_the_file(paper_study):
+    figures = timing_figures(paper_study, condition_series(paper_study["conditions"]))
+    for figure, name in zip(figures, ("eca", "sia"), strict=False):
+        own = paper_study["ta"][name]["histogram"]
+        root = ElementTree.fromstring(str(figure.drawing))
+        heights = np.array([float(bar.attrib["height"]) for bar in root.iter("rect")])
+        counts = np.array([*own["counts"], own["overflow"]])
+        assert len(heights) == len(counts)
+        # All heights have the same scale, and stay inside the area of the plot, which is 218 px high.
+        scale = heights.sum() / counts.sum()
+        assert heights == pytest.approx(scale * counts, abs=0.02)
+        assert heights.max() <= 218.0
+
+
+def test_charts_are_described_with_the_figures_of_the_file(page, paper_study):
+    described = {title: text for title, text, _ in page.drawings}
+    for name, text in (("eca", "ECA"), ("sia", "SIA")):
+        own = paper_study["gsi"][name]
+        means = ", ".join(f"{entry['mean']:.2f}" for entry in own["by_iteration"])
+        assert f"{name}: {means}" in described["Synchrony by iteration"]
+        assert f"{text} {own['mean']:.3f} [{own['low']:.3f}, {own['high']:.3f}]" in described["Synchrony of the group"]
+        mean_s = paper_study["ta"][name]["group_mean_s"]
+        assert f"{text} {mean_s:.2f} s" in described["Mean timing appropriateness"]
+
+
+def test_ratings_stand_beside_the_index(page, paper_study):
+    ratings = paper_study["ratings"]
+    rows = rows_of(page, "Simulated ratings")
+    assert len(rows) == len(ratings["by_group"]) == 9
+    for row, group in zip(rows, ratings["by_group"], strict=True):
+        assert row[1] == " ".join(map(str, group["ratings"]["eca"]))
+    assert f"In {ratings['matches']} of 9 groups most dancers find" in page.text
+    assert "the ratings are no evidence about people" in page.text
 
 
 def test_the_verdict_comes_first_and_names_the_better_method(page, paper_study):
