@@ -8,8 +8,8 @@ import pytest
 from sjasim.choreography.timetable import timetable
 from sjasim.config import FAULTS, SessionConfig
 from sjasim.config.toml_file import from_plain
-from sjasim.studies.design_file import design_from_plain
 from sjasim.session.dancers import make_human_timing
+from sjasim.studies.design_file import design_from_plain
 
 from .pages import ROOT, blocks, links, pages, text_of
 

@@ -1,4 +1,4 @@
-"""Studies that are killed, and workers that are killed: nothing is lost, nothing is repeated, the bytes are the same."""
+"""Studies and workers that are killed: nothing is lost, nothing is repeated, and the bytes are the same."""
 
 import json
 import os
