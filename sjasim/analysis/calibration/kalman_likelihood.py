@@ -28,7 +28,8 @@ class Noise(NamedTuple):
         tempo: variance that each event adds to all deviations alike.
         common: variance of the common shift.
         correlation: correlation of the common shift between successive events.
-        rate: 0 for a common shift of the events; 1 if it is a rate, by which all deviations grow at every event.
+        rate: 0 for a common shift of the events; 1 if it is a rate, by which all deviations grow at every event, and
+            the first deviations have a common part of the same variance.
     """
 
     timekeeper: Array
@@ -99,6 +100,9 @@ def _gains(
         if e == 0:
             for i in range(dancers):
                 covariance[i, i] = first[i]
+                # With a rate, the time of the first event is as free as the rate.
+                for j in range(dancers):
+                    covariance[i, j] += rate * common
             covariance[dancers, dancers] = common
         else:
             step = _step(present[e - 1], phase, rho, rate)

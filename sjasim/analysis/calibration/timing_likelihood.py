@@ -32,8 +32,9 @@ GROUP_GRID = 3.2 * np.linspace(-1.0, 1.0, 7)
 class TimingLikelihood:
     """Cost (minus the log likelihood) of trials over a parameter vector, in units of the typical deviation.
 
-    Noises are entries as variances, in which the likelihood is nearly quadratic. Without music, the first deviations of
-    a sequence are left free. Pacers have no noise and correct nothing; times are relative to the first of them.
+    Noises are entries as variances, in which the likelihood is nearly quadratic. In free time and with pacers, the
+    first deviations of a sequence are left free; otherwise people begin as close together as timekeeper noise lets
+    them. Pacers have no noise and correct nothing; times are relative to the first of them.
 
     Args:
         trials: the data.
@@ -178,7 +179,7 @@ class TimingLikelihood:
         return 0.5 * float(log_det.sum()) - self._log_mixture(distance, iteration_spread, group_spread)
 
     def _noise(self, values: Mapping[str, float]) -> Noise:
-        """Noise of the model; without music, first deviations are left free, and in free time the common shift."""
+        """Noise of the model, with variances of `FREE_SD` squared for what is left free."""
         squared_scales = self.scales(values) ** 2
         timekeeper = values["timekeeper_s"] * squared_scales
         free_first = np.where(squared_scales > 0.0, FREE_SD**2, 0.0)
@@ -187,7 +188,7 @@ class TimingLikelihood:
         free_common = FREE_SD**2 if rate or self._differences else 0.0
         return Noise(
             timekeeper=timekeeper,
-            first=timekeeper if self.trials.time == "music" else free_first,
+            first=timekeeper if self.trials.time == "music" or rate else free_first,
             motor=values["motor_s"] * squared_scales,
             tempo=values.get("tempo_s", 0.0),
             common=values.get("common_s", free_common),

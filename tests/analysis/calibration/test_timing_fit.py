@@ -91,7 +91,7 @@ def dense(times, phase, noise) -> tuple[float, float, int]:
     count = np.arange(events)
     common = noise.common * noise.correlation ** np.abs(np.subtract.outer(count, count))
     if noise.rate:
-        common = noise.common * np.outer(count, count)
+        common = noise.common * (1.0 + np.outer(count, count))
     whole = weights @ np.diag(variances) @ weights.T + np.kron(common, np.ones((dancers, dancers)))
     # Changes of tempo stay with all deviations from the event after the first one on.
     tempo = np.minimum.outer(np.arange(events), np.arange(events)) * noise.tempo
