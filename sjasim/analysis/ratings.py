@@ -105,8 +105,12 @@ def group_ratings(
     found = []
     for (study, group), pair in sorted(sessions.items()):
         rng = stream(seed, "ratings", str(study), str(group))
+        pair_events = [events[tables.sessions["session"][row]] for row in pair]
+        # A dancer of whom no event was detected in one of the sessions rates it all the same.
+        dancers = max(int(np.max(session["agent"], initial=0)) for session in pair_events)
         impressions = [
-            impressions_of(events[tables.sessions["session"][row]], missed[row], perception, rng) for row in pair
+            impressions_of(session, missed[row], perception, rng, dancers)
+            for session, row in zip(pair_events, pair, strict=True)
         ]
         gsi = [float(tables.sessions["gsi"][row]) for row in pair]
         found.append(
@@ -158,7 +162,9 @@ def rating_figures(tables: StudyTables, conditions: Sequence[str], seed: int = 0
     }
 
 
-def impressions_of(events: Columns, missed: int, perception: Perception, rng: np.random.Generator) -> Array:
+def impressions_of(
+    events: Columns, missed: int, perception: Perception, rng: np.random.Generator, dancers: int = 3
+) -> Array:
     """(D,) impression of each dancer of one session: the share of the robot's steps that were in time, 0 to 1.
 
     Args:
@@ -166,6 +172,7 @@ def impressions_of(events: Columns, missed: int, perception: Perception, rng: np
         missed: number of steps that the robot missed.
         perception: how the dancers perceive.
         rng: generator of their noise.
+        dancers: number of dancers D; one without an event perceives no step in time.
     """
     agents = np.asarray(events["agent"])
     # The robot turns where the dancers clap.
@@ -177,7 +184,7 @@ def impressions_of(events: Columns, missed: int, perception: Perception, rng: np
 
     steps = int(of_robot.sum()) + missed
     shares = []
-    for dancer in np.unique(agents[~of_robot]):
+    for dancer in range(1, dancers + 1):
         errors_s = _nearest_errors_s(labels, times_s, of_robot, agents == dancer)
         # Noise is symmetric, so that it does not matter which of the two was earlier.
         perceived_s = errors_s + perception.noise_s * rng.standard_normal(len(errors_s))

@@ -14,12 +14,12 @@ from .design_checks import one_session_of_each_condition
 from .study_design import StudyPlan
 
 CPU_S_PER_MINUTE: Mapping[tuple[str, str], float] = {
-    ("timing", "joints"): 0.005,
-    ("timing", "depth"): 0.005,
-    ("physics", "joints"): 18.0,
-    ("physics", "depth"): 140.0,
+    ("timing", "joints"): 0.008,
+    ("timing", "depth"): 0.008,
+    ("physics", "joints"): 1.8,
+    ("physics", "depth"): 13.0,
 }
-"""(fidelity, sensing) -> computing time of a session [s] for each simulated minute of three dancers."""
+"""(fidelity, sensing) -> computing time of a session per minute of three dancers [s], rounded from docs/figures.md."""
 
 BYTES_PER_EVENT = 12.0
 """Room on disk for an event in the tables of a study [bytes]."""

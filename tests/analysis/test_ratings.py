@@ -48,6 +48,14 @@ def test_steps_that_the_robot_missed_are_not_in_time():
     assert group_ratings(tables, METHODS, EXACT)[0].ratings["eca"] == (1, 3, 1)
 
 
+def test_a_dancer_without_a_detected_event_perceives_nothing_in_time():
+    tables = study_of({"eca": (0.0, 0.2, 0.9), "sia": (0.0, 0.0, 0.0)})
+    kept = ~((tables.events["session"] == 1) & (tables.events["agent"] == 3))
+    events = {name: column[kept] for name, column in tables.events.items()}
+    (rating,) = group_ratings(StudyTables(tables.sessions, tables.iterations, tables.steps, events), METHODS, EXACT)
+    assert rating.ratings == {"eca": (1, 4, 2), "sia": (1, 5, 1)}
+
+
 def test_two_of_three_dancers_decide_and_ratings_are_from_1_to_5():
     tables = study_of({"eca": (0.0, 0.2, 0.9), "sia": (0.3, 0.3, -0.3)})
     rating = group_ratings(tables, METHODS, EXACT)[0]
