@@ -9,10 +9,10 @@ from .tapping_trials import TappingTrials, finite_mean
 from .timing_likelihood import TimingLikelihood
 
 FEW_EVENTS = 100
-"""Events of each person below which gains and noise come out distorted.
+"""Events of each person below which estimates are reported as uncertain (assumed).
 
-In simulated duos and trios with 60 and fewer events of each person, mean estimates were off by more than 10 % (see
-scripts/check_recovery.py).
+With 120 events of each of three people, the mean estimate of the motor noise was 9 % too small
+(scripts/check_recovery.py).
 """
 
 SAME_PERFORMANCE = 0.9
