@@ -167,6 +167,8 @@ def _of_method(index: int, method: str) -> list[PublishedValue]:
     """All values that belong to one method."""
     gsi = np.array(published.GSI[method])
     per_method = partial(PublishedValue, method=method)
+
+    # The roles are those of scripts/fit_presets.py: a held-out value must not enter its cost.
     rows = [
         per_method("gsi_mean", value=float(gsi.mean()), role="fitted", compute=partial(_mean_gsi, method=index),
                    meaning="mean group synchronisation index"),
@@ -185,14 +187,17 @@ def _of_method(index: int, method: str) -> list[PublishedValue]:
         per_method("ta_sd_s", value=published.TA_SD_S[method], role="held out", compute=partial(_ta_sd, method=index),
                    meaning="s.d. of timing appropriateness [s]"),
     ]  # fmt: skip
+
     for number, value in enumerate(gsi.mean(axis=0), start=1):
         compute = partial(_iteration_gsi, method=index, index=number - 1)
         meaning = f"mean index of iteration {number}"
         rows.append(PublishedValue(f"gsi_iteration_{number}", method, float(value), "held out", compute, meaning))
+
     for limit_s, share in published.TA_SHARE_WITHIN[method].items():
         compute = partial(_ta_within, method=index, limit_s=limit_s)
         meaning = f"share of the robot's events within {limit_s:g} s of the ideal time"
         rows.append(PublishedValue(f"ta_within_{limit_s:g}_s", method, share, "fitted", compute, meaning))
+
     return rows
 
 

@@ -62,6 +62,7 @@ def characterisation_page(report: Mapping[str, Any]) -> Page:
         ("people", str(report["config"]["humans"])),
         ("method", str(report["config"]["method"])),
     ]
+
     return Page(
         template="characterisation.html",
         kind="accuracy of sensors, detectors and robot",

@@ -32,6 +32,7 @@ def power_page(content: Mapping[str, Any]) -> Page:
     """
     design = content["design"]
     first, second = map(condition_text, design["methods"])
+
     return Page(
         template="power.html",
         kind="power analysis",
